@@ -1,0 +1,59 @@
+# The two commands: `make run` and `make test`. Needs Python 3.11 or newer with venv, and make; everything else it installs.
+PYTHON ?= python3
+VENV ?= .venv
+BIN = $(VENV)/bin
+INSTALLED = build/installed
+RUN_TETS ?= 120k
+OUT ?= out
+
+.PHONY: run test test-all lint types bench-native results clean help
+
+help:            ## list the targets
+	@grep -E '^[a-z-]+: .*##|^[a-z-]+: *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 16
+
+run: $(BIN)/tetrabench  ## generate the nozzle and run the main job on it; prints a table, draws charts into out/
+	@mkdir -p $(OUT)
+	$(BIN)/tetrabench run --model nozzle --tets $(RUN_TETS) --quick -o $(OUT)/results.json --charts $(OUT)
+
+test: $(VENV)/developing  ## the fast suite
+	$(BIN)/python -m pytest -n auto --dist loadgroup
+
+test-all: test  ## the suite with all property tests, with bounds checks, and with the JIT off
+	TETRABENCH_TESTS=thorough $(BIN)/python -m pytest -n auto --dist loadgroup tests/tetra/test_stateful.py tests/io
+	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -n auto --dist loadgroup tests/tetra tests/io tests/mesh tests/scenarios
+	NUMBA_DISABLE_JIT=1 TETRABENCH_TESTS=slow-motion $(BIN)/python -m pytest -n auto tests/tetra tests/io tests/mesh tests/scenarios
+
+lint: $(VENV)/developing  ## style, and the direction of imports
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+
+types: $(VENV)/developing  ## types and the direction of imports, on the package as it installs
+	rm -rf $(INSTALLED) build/lib build/bdist*
+	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --target $(INSTALLED) .
+	cd $(INSTALLED) && PYTHONPATH=. ../../$(BIN)/lint-imports --config ../../pyproject.toml
+	cd $(INSTALLED) && ../../$(BIN)/mypy --config-file ../../pyproject.toml -p tetrabench
+
+bench-native: $(VENV)/developing  ## our kernels beside C on the same arrays (needs gcc)
+	$(BIN)/python tests/native/bench_native.py
+
+results: $(BIN)/tetrabench  ## repeat the committed reference run and what README.md shows of it
+	$(BIN)/python results/regenerate.py
+
+$(VENV)/bin/python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
+	  echo "tetrabench needs Python 3.11 or newer; this is $$($(PYTHON) --version). Say: make PYTHON=python3.12 run" >&2; exit 2; }
+	@$(PYTHON) -c 'import venv, ensurepip' 2>/dev/null || { \
+	  echo "Python's venv is missing. On Debian and Ubuntu: apt install python3-venv; then run make again." >&2; exit 2; }
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --upgrade pip setuptools wheel
+
+$(BIN)/tetrabench: $(VENV)/bin/python pyproject.toml
+	$(BIN)/python -m pip install --quiet --no-build-isolation -e .
+	@touch $@
+
+$(VENV)/developing: $(VENV)/bin/python pyproject.toml
+	$(BIN)/python -m pip install --quiet --no-build-isolation -e '.[dev]'
+	@touch $(BIN)/tetrabench $@
+
+clean:           ## remove the environment and everything built
+	rm -rf $(VENV) build dist out *.egg-info

@@ -1,0 +1,1 @@
+"""The contestants: interchangeable ways to store the same thing, by family."""

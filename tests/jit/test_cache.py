@@ -1,0 +1,142 @@
+"""The kernel cache's three traps, each sprung on purpose, in processes of their own."""
+
+import json
+import os
+import subprocess
+import sys
+import textwrap
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+from numba import config
+
+pytestmark = pytest.mark.skipif(bool(config.DISABLE_JIT), reason="there is no cache without the JIT")
+
+OUTER = """
+import sys
+from tetrabench.jit import kernel
+from plugin.storage import Box, value
+
+@kernel
+def outer(net):
+    return value(net) + 1.0
+"""
+
+STORAGE = """
+from typing import NamedTuple
+import numpy as np
+from tetrabench.jit import generic, implements
+
+class Box(NamedTuple):
+    numbers: np.ndarray
+
+class Net(NamedTuple):
+    part: Box
+
+@generic(on="part")
+def value(net):
+    "A number."
+
+@implements(value, Box)
+def _(net):
+    return net.part.numbers[{index}] * {factor}
+"""
+
+MAIN = """
+import json, numpy as np
+from plugin.outer import outer
+from plugin.storage import Box, Net
+answer = outer(Net(Box(np.arange(3.0))))
+print(json.dumps([answer, sum(outer.stats.cache_hits.values()), sum(outer.stats.cache_misses.values())]))
+"""
+
+
+@pytest.fixture
+def plugin(tmp_path):
+    """A package with a storage of its own, and a way to run it in a fresh process: (answer, hits, misses)."""
+    package = tmp_path / "plugin"
+    package.mkdir()
+    (package / "__init__.py").write_text("")
+    (package / "outer.py").write_text(OUTER)
+
+    def write(factor=10.0, index=1):
+        (package / "storage.py").write_text(STORAGE.format(factor=factor, index=index))
+
+    def run(**environment):
+        environment = {
+            **os.environ, "PYTHONPATH": str(tmp_path), "TETRABENCH_CACHE": str(tmp_path / "cache"),
+            "PYTHONDONTWRITEBYTECODE": "1", **environment,
+        }  # fmt: skip
+        done = subprocess.run([sys.executable, "-c", MAIN], env=environment, capture_output=True, text=True)
+        return json.loads(done.stdout) if done.returncode == 0 else done.stderr
+
+    write()
+    return write, run
+
+
+def test_a_change_in_another_file_recompiles(plugin):
+    write, run = plugin
+    assert run() == [11.0, 0, 1]
+    assert run() == [11.0, 1, 0]
+    write(factor=20.0)
+    assert run() == [21.0, 0, 1]
+
+
+def test_flags_have_caches_of_their_own(plugin):
+    write, run = plugin
+    write(index=3)  # one beyond the end
+    run()  # warm, without bounds checks
+    assert "IndexError" in run(NUMBA_BOUNDSCHECK="1")
+    write(index=1)
+    assert run(NUMBA_OPT="1") == [11.0, 0, 1]
+    assert run(NUMBA_OPT="3") == [11.0, 0, 1]
+    assert run(NUMBA_OPT="3") == [11.0, 1, 0]
+
+
+def test_a_cache_that_cannot_be_written_is_no_reason_to_stop(plugin, tmp_path):
+    _, run = plugin
+    (tmp_path / "no-folder").write_text("a file where the folder should be")
+    assert run(TETRABENCH_CACHE=str(tmp_path / "no-folder" / "cache")) == [11.0, 0, 1]
+
+
+def test_users_own_kernels_stay_where_they_are(plugin):
+    """No process-wide setting of numba is touched."""
+    code = "import tetrabench.jit, numba; print(numba.config.CACHE_DIR, numba.config.CACHE_LOCATOR_CLASSES)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    plain = code.replace("tetrabench.jit, ", "")
+    assert done.stdout == subprocess.run([sys.executable, "-c", plain], capture_output=True, text=True, check=True).stdout
+
+
+MANY = """
+import json, sys, numpy as np
+from tetrabench.jit import kernels
+from tetrabench import registry
+from tetrabench.tetra.net import TetraNet
+from tests.meshes import pair
+net = TetraNet(pair(), registry.contestant("tetra", sys.argv[1]))
+answer = net.answer().digest
+used = [k for k in kernels() if k.signatures]
+print(json.dumps([answer, sum(sum(k.stats.cache_hits.values()) for k in used), sum(sum(k.stats.cache_misses.values()) for k in used)]))
+"""
+
+
+def test_workers_that_all_start_cold_lose_nothing(tmp_path):
+    """Two processes for each of three contestants compile at once; afterwards everything is found, and right."""
+    names = ["v3y", "v5", "v4"] * 2
+
+    def run(name):
+        environment = {**os.environ, "TETRABENCH_CACHE": str(tmp_path)}
+        command = [sys.executable, "-c", textwrap.dedent(MANY), name]
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+        return json.loads(done.stdout)
+
+    with ThreadPoolExecutor(len(names)) as pool:
+        cold = list(pool.map(run, names))
+        warm = list(pool.map(run, names))
+    assert len({answer for answer, _, _ in cold + warm}) == 1
+    for (_, hits, misses), (_, hits_again, misses_again) in zip(cold, warm, strict=True):
+        assert misses_again == 0
+        assert hits_again >= hits + misses > 0
+    # each kernel was compiled once, by one of the two: the other waited for it and found it
+    compiled = sum(misses for _, _, misses in cold)
+    assert compiled <= sum(hits + misses for _, hits, misses in cold) / 2 + len(names)

@@ -1,0 +1,204 @@
+"""TetraNet: the Python face, on every contestant."""
+
+import copy
+import gc
+import pickle
+
+import numpy as np
+import pytest
+
+from tests.meshes import box, mesh_of, nozzle, pair, single
+from tests.oracle import OracleNet
+from tetrabench import registry
+from tetrabench.errors import InputError
+from tetrabench.jit import kernels
+from tetrabench.tetra import edit
+from tetrabench.tetra.net import TetraNet
+
+CONTESTANTS = [c.name for c in registry.contestants("tetra")]
+
+
+@pytest.fixture(params=CONTESTANTS)
+def build(request):
+    contestant = registry.contestant("tetra", request.param)
+    return lambda mesh: TetraNet(mesh, contestant)
+
+
+def test_static_data_is_that_of_the_mesh(build, small_mesh):
+    net, oracle = build(small_mesh), OracleNet(small_mesh.points, small_mesh.tets)
+    np.testing.assert_array_equal(net.vertices, small_mesh.tets)
+    np.testing.assert_array_equal(net.points, small_mesh.points)
+    assert net.volumes.tolist() == [oracle.volume(t) for t in oracle.tetras]
+    np.testing.assert_allclose(net.centroids, small_mesh.points[small_mesh.tets].mean(axis=1), rtol=0, atol=1e-14)
+    areas = [[oracle.side_area(t, i) for i in range(4)] for t in oracle.tetras]
+    np.testing.assert_allclose(net.side_areas, areas, rtol=1e-14)
+    assert net.states.tolist() == [[0.0] * 5] * len(net)
+    refs = net.refs.tolist()
+    behind = [[-1 if (n := oracle.neighbour(t, i)) is None else refs[n] for i in range(4)] for t in oracle.tetras]
+    assert net.neighbours.tolist() == behind
+    for point in range(len(small_mesh.points)):
+        assert set(net.tetras_around(point)) == {refs[t] for t in oracle.around(point)}
+
+
+def test_normals_are_unit_and_outward(build):
+    net = build(box())
+    np.testing.assert_allclose(np.linalg.norm(net.side_normals, axis=2), 1.0, rtol=1e-14)
+    for t in range(len(net)):
+        for i in range(4):
+            corner = net.points[net.vertices[t, (i + 1) % 4]]
+            assert (corner - net.centroids[t]) @ net.side_normals[t, i] > 0
+    # the area vectors of a closed body sum to nothing
+    np.testing.assert_allclose((net.side_areas[:, :, None] * net.side_normals).sum(axis=1), 0.0, atol=1e-15)
+
+
+def test_edits_and_refusals(build):
+    net = build(pair())
+    first, second = net.refs.tolist()
+    assert first in net
+    assert len(net) == 2
+    assert net.last == second
+    for bad in [(0, 1, 2, 2), (0, 1, 2, 9), (0, 1, 2, -1), (3, 2, 1, 0)]:
+        with pytest.raises(InputError, match="cannot insert"):
+            net.insert(*bad)
+    with pytest.raises(InputError, match="share that side already"):
+        net.insert(1, 2, 3, net.insert_point(2.0, 2.0, 2.0))
+    assert net.check() == []
+    net.delete(first)
+    assert len(net) == 1
+    assert net.neighbours_of(second) == (-1, -1, -1, -1)
+    assert net.check() == []
+    again = net.insert(0, 1, 2, 3)
+    assert again in net.neighbours_of(second)
+    with pytest.raises(InputError, match="there is no tetra"):
+        net.delete(-1)
+
+
+def test_a_deleted_ref_is_refused(build):
+    net = build(pair())
+    if net.contestant.name == "v4":
+        return  # the address of a freed node cannot be told from a live one: see is_live
+    t = int(net.refs[0])
+    net.delete(t)
+    with pytest.raises(InputError, match="there is no tetra"):
+        net.delete(t)
+    with pytest.raises(InputError, match="there is no tetra"):
+        net.vertices_of(10**6)
+    assert net.check() == []
+
+
+def test_points_merge_within_a_billionth_of_the_diagonal(build):
+    net = build(single())
+    assert net.insert_point(1e-12, 0, 0) == 0
+    assert net.insert_point(1e-3, 0, 0) == 4
+    with pytest.raises(InputError, match="is no point"):
+        net.insert_point(np.nan, 0, 0)
+
+
+def test_outgrown_storage_is_dead(build):
+    net = build(single())
+    old = net.storage
+    net.insert_point(5.0, 5.0, 5.0)
+    assert net.storage is not old
+    with pytest.raises(ValueError, match="outgrown"):
+        edit.insert_tetra(old, 0, 1, 2, 3)
+    with pytest.raises(ValueError, match="outgrown"):
+        edit.delete_tetra(old, int(net.refs[0]))
+    assert net.check() == []
+
+
+def test_edit_without_room_is_refused(build):
+    net = build(mesh_of([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]], [[0, 1, 2, 3]]))
+    with pytest.raises(ValueError, match="call reserve first"):
+        edit.insert_tetra(net.storage, 1, 2, 3, 4)
+    assert net.check() == []
+
+
+def test_growth_is_by_a_quarter_and_keeps_everything(build):
+    net = build(box())
+    before, digest = net.structure_bytes(), net.answer().digest
+    net.storage = edit.reserve(net.storage, 1, 1)
+    after = net.structure_bytes()
+    assert net.answer().digest == digest
+    assert net.check() == []
+    for name in before:
+        assert after[name][0] == before[name][0], name
+    if "nodes" not in after:
+        rows = len(net) + 1024
+        field = "records" if "records" in after else "volume"
+        assert after[field][1] == rows * (232 if field == "records" else 8)
+
+
+def test_copies_and_pickles_are_independent(build, rng):
+    net = build(nozzle())
+    net.delete(int(net.refs[3]))
+    net.states = rng.random((len(net), 5))
+    digest = net.answer().digest
+    twins = [copy.copy(net), copy.deepcopy(net), pickle.loads(pickle.dumps(net))]
+    for twin in twins:
+        assert twin.answer().digest == digest
+        assert twin.check() == []
+        twin.delete(twin.last)
+    assert net.answer().digest == digest
+    assert net.check() == []
+    del twins, twin
+    gc.collect()
+    assert net.answer().digest == digest
+
+
+def test_close_gives_back_and_may_come_twice(build):
+    net = build(box())
+    net.close()
+    net.close()
+    assert not net.is_open
+
+
+def test_states_shape_is_checked(build):
+    net = build(single())
+    with pytest.raises(InputError, match=r"\(1, 5\)"):
+        net.states = np.zeros((2, 5))
+
+
+def test_deform_refusals(build):
+    net = build(single())
+    digest = net.answer().digest
+    with pytest.raises(InputError, match="shape"):
+        net.deform(lambda points: points[:2])
+    with pytest.raises(InputError, match="finite"):
+        net.deform(lambda points: points * np.inf)
+    assert net.answer().digest == digest
+
+
+def test_structure_bytes_are_exact(build):
+    net = build(nozzle())
+    sizes, n, p = net.structure_bytes(), len(net), len(net.points)
+    assert sizes["points"][0] == 24 * p
+    assert sizes["tree"][0] == 40 * p
+    entry = 16 if net.contestant.name == "v4" else 8
+    assert sizes["incidence"][0] == 4 * n * entry + 4 * p
+    fields = sum(used for name, (used, _) in sizes.items() if name not in ("points", "tree", "incidence", "holes"))
+    counters = sum(used for name, (used, _) in sizes.items() if name.endswith("counters"))
+    assert fields - counters == n * (264 if net.contestant.name == "v4" else 232)
+    assert all(used <= reserved for used, reserved in sizes.values())
+
+
+def test_one_signature_a_kernel_and_contestant(build):
+    """A read-only or strided array would silently compile a kernel once more."""
+    net = build(box())
+    net.split(net.refs[:2])
+    net.delete(net.last)
+    net.locate(net.centroids)
+    net.locate(net.points)
+    net.deform(lambda points: points * 1.1)
+    net.check()
+    storage = type(net.storage.layout).__name__, type(net.storage.slots).__name__
+    for kernel in kernels():
+        of_this = [s for s in getattr(kernel, "signatures", []) if storage == parts(s)]
+        assert len(of_this) <= 1, (kernel.__name__, of_this)
+
+
+def parts(signature):
+    """Layout and slot policy of the net in a signature, None where there is no net."""
+    for argument in signature:
+        if getattr(argument, "fields", ())[:2] == ("layout", "slots"):
+            return tuple(kind.instance_class.__name__ for kind in argument.types[:2])
+    return None

@@ -1,0 +1,73 @@
+"""Tetrabench: the same workloads on interchangeable ways to store a mesh, compared in answers, time and memory.
+
+The public face. Everything is imported on first use, so that `import tetrabench` costs next to nothing.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import os
+
+    from tetrabench.bench import load_results, run
+    from tetrabench.io import read_mesh, write_mesh
+    from tetrabench.jit import kernel
+    from tetrabench.mesh import TetraMesh
+    from tetrabench.mesh.models import generate
+    from tetrabench.tetra.net import TetraNet
+
+__all__ = [
+    "TetraMesh",
+    "TetraNet",
+    "__version__",
+    "generate",
+    "kernel",
+    "load_results",
+    "open",
+    "read_mesh",
+    "run",
+    "write_mesh",
+]
+
+_HOMES = {
+    "TetraMesh": "tetrabench.mesh",
+    "TetraNet": "tetrabench.tetra.net",
+    "generate": "tetrabench.mesh.models",
+    "kernel": "tetrabench.jit",
+    "load_results": "tetrabench.bench",
+    "read_mesh": "tetrabench.io",
+    "run": "tetrabench.bench",
+    "write_mesh": "tetrabench.io",
+}
+
+__version__: str
+
+
+def open(path_or_mesh: "TetraMesh | str | os.PathLike[str]", backend: str = "v3y") -> "TetraNet":
+    """Open a file, or a mesh, as a net in the storage of a backend.
+
+    Raises:
+        InputError: no such backend or file, or a mesh that no net can hold.
+    """
+    from tetrabench import registry
+    from tetrabench.io import read_mesh
+    from tetrabench.mesh import TetraMesh
+    from tetrabench.tetra.net import TetraNet
+
+    contestant: Any = registry.contestant("tetra", backend)
+    mesh = path_or_mesh if isinstance(path_or_mesh, TetraMesh) else read_mesh(path_or_mesh)
+    return TetraNet(mesh, contestant)
+
+
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("tetrabench")
+    if name in _HOMES:
+        return getattr(import_module(_HOMES[name]), name)
+    raise AttributeError(f"module 'tetrabench' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -1,0 +1,63 @@
+"""Who is right: contestants that give another answer than the others are named, and never ranked."""
+
+from collections import Counter
+from collections.abc import Iterable, Mapping
+
+import msgspec
+
+from tetrabench.bench.record import Sample
+
+Figures = Mapping[str, float | None]
+
+
+def judge(samples: list[Sample]) -> list[Sample]:
+    """The samples, those with a wrong answer marked "wrong-result".
+
+    In each scenario every contestant has one vote for each answer that it gave. Right is what more than half
+    of the contestants say, and more than say anything else; where there is no such answer, all are wrong.
+    """
+    scenarios = dict.fromkeys(sample.scenario for sample in samples)
+    right = {name: _majority(sample for sample in samples if sample.scenario == name) for name in scenarios}
+    return [_mark(sample, right[sample.scenario], samples) for sample in samples]
+
+
+def _majority(samples: Iterable[Sample]) -> Sample | None:
+    """A sample with the right answer."""
+    said = {(sample.backend, sample.digest): sample for sample in samples if sample.status == "ok"}
+    votes = Counter(digest for _, digest in said).most_common(2)
+    if not votes or (len(votes) == 2 and votes[0][1] == votes[1][1]):
+        return None
+    digest, count = votes[0]
+    if 2 * count <= len({backend for backend, _ in said}):
+        return None
+    return next(sample for sample in said.values() if sample.digest == digest)
+
+
+def _mark(sample: Sample, right: Sample | None, samples: list[Sample]) -> Sample:
+    if sample.status != "ok" or (right is not None and sample.digest == right.digest):
+        return sample
+    if right is None:
+        digests = {
+            one.backend: one.digest for one in samples if one.scenario == sample.scenario and one.digest
+        }
+        said = ", ".join(f"{backend} {digest}" for backend, digest in digests.items())
+        reason = f"no answer has a majority: {said}"
+    else:
+        reason = (
+            f"{sample.backend} says {sample.digest}, most say {right.digest}: "
+            f"{_difference(sample.figures, right.figures)}"
+        )
+    return msgspec.structs.replace(sample, status="wrong-result", reason=reason)
+
+
+def _difference(found: Figures, right: Figures) -> str:
+    different = [
+        f"{name} {_show(found.get(name))} instead of {_show(right.get(name))}"
+        for name in {**right, **found}
+        if found.get(name) != right.get(name)
+    ]
+    return ", ".join(different) or "the same figures, but other bits"
+
+
+def _show(figure: float | None) -> str:
+    return "none" if figure is None else f"{figure:.17g}"

@@ -1,0 +1,97 @@
+"""What the parent and a worker say to each other: one request, one reply, a line of JSON each.
+
+The order is Open, Warm for each scenario, Load, Measure again and again; the end of the pipe means close.
+"""
+
+import msgspec
+
+
+class Open(msgspec.Struct, frozen=True, tag=True):
+    """Import the contestant and its family. `chained`: one net for all scenarios. Reply: Done."""
+
+    family: str
+    backend: str
+    chained: bool
+
+
+class Warm(msgspec.Struct, frozen=True, tag=True):
+    """Run a scenario once on the family's small model, so that its kernels are compiled. Reply: Done."""
+
+    scenario: str
+    options: dict[str, int]
+
+
+class Load(msgspec.Struct, frozen=True, tag=True):
+    """Put the contestant on stage with the model, a path. Reply: Loaded."""
+
+    model: str
+
+
+class Measure(msgspec.Struct, frozen=True, tag=True):
+    """Take one sample. Reply: Measured."""
+
+    scenario: str
+    options: dict[str, int]
+
+
+class Done(msgspec.Struct, frozen=True, tag=True):
+    """It took so long: wall time in seconds."""
+
+    wall_s: float
+
+
+class Loaded(msgspec.Struct, frozen=True, tag=True):
+    """The model as it was found, and the bytes (used, reserved) of each buffer of the fresh structure."""
+
+    model_size: dict[str, int]
+    structure: dict[str, tuple[int, int]]
+
+
+class Measured(msgspec.Struct, frozen=True, tag=True, kw_only=True):
+    """A sample's raw figures, as in `record.Sample`; `prepare_s` is the wall time of its preparation."""
+
+    prepare_s: float
+    cpu_s: float
+    process_cpu_s: float
+    wall_s: float
+    peak_bytes: int | None
+    structure: dict[str, tuple[int, int]]
+    digest: str
+    figures: dict[str, float | None]
+    items: int
+    unit: str
+    least_bytes: int | None
+
+
+class Skipped(msgspec.Struct, frozen=True, tag=True):
+    """The contestant cannot run this scenario, and why. Reply to Warm and Measure."""
+
+    reason: str
+
+
+class Failed(msgspec.Struct, frozen=True, tag=True):
+    """An exception ended the request; the worker goes on. `bad_input`: the user can mend it."""
+
+    reason: str
+    bad_input: bool = False
+
+
+Request = Open | Warm | Load | Measure
+Reply = Done | Loaded | Measured | Skipped | Failed
+
+
+def encode(message: Request | Reply) -> bytes:
+    """A message as a line."""
+    return msgspec.json.encode(message) + b"\n"
+
+
+def decode_request(line: bytes) -> Request:
+    """A line as a request."""
+    request: Request = msgspec.json.decode(line, type=Request)
+    return request
+
+
+def decode_reply(line: bytes) -> Reply:
+    """A line as a reply."""
+    reply: Reply = msgspec.json.decode(line, type=Reply)
+    return reply

@@ -1,0 +1,172 @@
+"""The worker: one process, one contestant, one model. Takes samples when it is told to.
+
+`python -m tetrabench.bench.worker`, spawned by `spawn`. Requests come in by what was its standard input,
+replies go out by what was its standard output; both are moved out of the way before a contestant is imported,
+which may print as it likes (it goes to standard error), and reads nothing.
+"""
+
+import gc
+import math
+import os
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from time import perf_counter
+from typing import Any, BinaryIO
+
+from tetrabench import registry
+from tetrabench.bench.clock import read_clocks
+from tetrabench.bench.memory import peak_bytes, reset_peak, trim_heap
+from tetrabench.bench.messages import (
+    Done,
+    Failed,
+    Load,
+    Loaded,
+    Measure,
+    Measured,
+    Open,
+    Reply,
+    Request,
+    Skipped,
+    Warm,
+    decode_request,
+    encode,
+)
+from tetrabench.errors import InputError, TetrabenchError
+from tetrabench.protocols import Contestant, Family, Options, Scenario, Stage
+
+
+class Worker:
+    """Serves requests. Its contestant stands on a stage with the small model first, then the real one."""
+
+    def __init__(self) -> None:
+        self._stage: Stage | None = None
+
+    def serve(self, request: Request) -> Reply:
+        """Do what is asked. An exception of a contestant's becomes the reply."""
+        try:
+            return self._do(request)
+        except (Exception, SystemExit) as error:
+            return Failed(_one_line(error), bad_input=isinstance(error, InputError))
+
+    def close(self) -> None:
+        """Clear the stage."""
+        if self._stage is not None:
+            self._stage.close()
+            self._stage = None
+
+    def _do(self, request: Request) -> Reply:
+        start = perf_counter()
+        match request:
+            case Open():
+                self._family: Family = registry.family(request.family)
+                self._contestant: Contestant = registry.contestant(request.family, request.backend)
+                self._chained = request.chained
+                return Done(perf_counter() - start)
+            case Warm():
+                if self._stage is None:
+                    self._set_stage(self._family.small_model())
+                reply = self._measure(request.scenario, request.options)
+                return reply if isinstance(reply, Skipped) else Done(perf_counter() - start)
+            case Load():
+                stage = self._set_stage(Path(request.model))
+                return Loaded(_integers(stage.model_size()), _structure(stage))
+            case Measure():
+                return self._measure(request.scenario, request.options)
+
+    def _set_stage(self, model: Path) -> Stage:
+        self.close()
+        self._stage = self._family.stage(self._contestant, model, chained=self._chained)
+        return self._stage
+
+    def _measure(self, name: str, options: Options) -> Measured | Skipped:
+        scenario = registry.scenario(self._family.name, name)
+        reason = scenario.skip(self._contestant)
+        if reason is not None:
+            return Skipped(reason)
+        assert self._stage is not None, "Warm and Load set the stage"
+        return take_sample(scenario, self._stage, options)
+
+
+def take_sample(scenario: Scenario, stage: Stage, options: Options) -> Measured:
+    """Prepare, run, and look at what came out; only the run is timed."""
+    start = perf_counter()
+    subject = scenario.prepare(stage, options)
+    prepare_s = perf_counter() - start
+
+    gc.collect()
+    gc.disable()
+    trim_heap()
+    has_peak = reset_peak()
+    try:
+        begin = read_clocks()
+        outcome = scenario.run(subject)
+        passed = read_clocks().since(begin)
+    finally:
+        gc.enable()
+
+    peak = peak_bytes() if has_peak else None
+    answer = scenario.answer(subject, outcome)
+    work = scenario.work(subject, outcome)
+    return Measured(
+        prepare_s=prepare_s,
+        cpu_s=passed.cpu_s,
+        process_cpu_s=passed.process_cpu_s,
+        wall_s=passed.wall_s,
+        peak_bytes=peak,
+        structure=_structure(stage),
+        digest=answer.digest,
+        figures={name: _number(figure) for name, figure in answer.figures.items()},
+        items=int(work.items),
+        unit=work.unit,
+        least_bytes=None if work.least_bytes is None else int(work.least_bytes),
+    )
+
+
+def _structure(stage: Stage) -> dict[str, tuple[int, int]]:
+    return {name: (int(used), int(reserved)) for name, (used, reserved) in stage.structure_bytes().items()}
+
+
+def _integers(counts: Mapping[str, Any]) -> dict[str, int]:
+    return {name: int(count) for name, count in counts.items()}  # numpy's integers are none to JSON
+
+
+def _number(figure: float) -> float | None:
+    return float(figure) if math.isfinite(figure) else None  # JSON has no other numbers
+
+
+def _one_line(error: BaseException) -> str:
+    """What went wrong and where, in a line."""
+    text = next((line.strip() for line in str(error).splitlines() if line.strip()), "no reason given")
+    if isinstance(error, TetrabenchError):
+        return text
+    trace = error.__traceback__
+    while trace and trace.tb_next:
+        trace = trace.tb_next
+    place = f" ({Path(trace.tb_frame.f_code.co_filename).name}:{trace.tb_lineno})" if trace else ""
+    return f"{type(error).__name__}: {text}{place}"
+
+
+def _move_pipes() -> tuple[BinaryIO, BinaryIO]:
+    """Both pipes under new numbers; 0 then reads nothing and 1 is standard error."""
+    requests, replies = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(nothing, 0)
+    os.close(nothing)
+    os.dup2(2, 1)
+    return requests, replies
+
+
+def main() -> None:
+    """Serve requests until there are no more."""
+    requests, replies = _move_pipes()
+    worker = Worker()
+    for line in requests:
+        replies.write(encode(worker.serve(decode_request(line))))
+        replies.flush()
+        sys.stdout.flush()  # what a contestant printed appears when it printed it
+    worker.close()
+
+
+if __name__ == "__main__":
+    main()

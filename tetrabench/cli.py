@@ -1,0 +1,287 @@
+"""The verbs; the only module that prints to a person. Tables go to stdout, progress and messages to stderr.
+
+What is heavy is imported inside the verbs, so that help comes at once.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any
+
+import click
+
+from tetrabench.errors import TetrabenchError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from tetrabench.bench import Plan, Results
+
+FILE = click.Path(dir_okay=False, path_type=Path)
+WIDTH = 100  # where there is no terminal to fit into
+INTERRUPTED = 130
+
+
+class Verbs(click.Group):
+    """All verbs, and what becomes of their errors."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run a verb."""
+        try:
+            return super().invoke(ctx)
+        except TetrabenchError as error:
+            raise Refusal(str(error), error.exit_code) from error
+        except KeyboardInterrupt as interrupt:
+            raise Refusal("interrupted", INTERRUPTED) from interrupt
+
+
+def read_count(ctx: click.Context, param: click.Parameter, text: str | None) -> int | None:
+    """A whole number such as 642700, 642,700, 100k or 1.5M."""
+    if text is None:
+        return None
+    match = re.fullmatch(r"(\d+(?:\.\d+)?)([kM]?)", text.replace(",", "").replace("_", ""))
+    number = float(match[1]) * {"": 1, "k": 1e3, "M": 1e6}[match[2]] if match else 0.5
+    if number != int(number):
+        raise click.BadParameter(f"{text!r} is no count such as 642700, 100k or 1.5M", ctx, param)
+    return int(number)
+
+
+def split_names(ctx: click.Context, param: click.Parameter, values: tuple[str, ...]) -> list[str] | None:
+    """Names out of comma lists and repeated options; None where the option was not given."""
+    if not values:
+        return None
+    return [name for value in values for part in value.split(",") if (name := part.strip())]
+
+
+def check_folder(ctx: click.Context, param: click.Parameter, path: Path | None) -> Path | None:
+    """Complain about a folder that is not there before the work, not after it."""
+    if path is not None and not path.absolute().parent.is_dir():
+        raise click.BadParameter(f"there is no folder {path.parent}", ctx, param)
+    return path
+
+
+seed_option = click.option("--seed", default=0, help="Of all that is random.", show_default=True)
+family_option = click.option(
+    "--family", default="tetra", show_default=True, help="The kind of thing to store."
+)
+numbering_option = click.option(
+    "--numbering",
+    type=click.Choice(["natural", "shuffled"]),
+    default="natural",
+    show_default=True,
+    help="Order of the points and tetras of a generated model.",
+)
+format_option = click.option(
+    "--format",
+    "form",
+    type=click.Choice(["table", "md"]),
+    default="table",
+    show_default=True,
+    help="Of the table.",
+)
+charts_option = click.option(
+    "--charts",
+    metavar="DIR",
+    type=click.Path(file_okay=False, path_type=Path),
+    help="Draw the charts into this folder.",
+)
+chart_format_option = click.option(
+    "--chart-format",
+    type=click.Choice(["png", "svg"]),
+    default="png",
+    show_default=True,
+    help="Of the charts.",
+)
+
+
+@click.group(cls=Verbs, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.version_option(package_name="tetrabench", message="%(package)s %(version)s")
+def main() -> None:
+    """How should a program store a large mesh? The same workloads on interchangeable storage backends.
+
+    Exit codes: 0 all well; 2 wrong usage or bad input; 3 a backend crashed or gave a wrong answer; 130 interrupted.
+    """
+
+
+@main.command()
+@click.option("--model", required=True, metavar="FILE|NAME", help="A Nastran file, or a model to generate.")
+@family_option
+@click.option(
+    "--backend", "backends", multiple=True, callback=split_names, metavar="A,B", help="All unless given."
+)
+@click.option(
+    "--scenario", "scenarios", multiple=True, callback=split_names, metavar="A,B", help="All unless given."
+)
+@click.option("--reference", metavar="A", help="The backend that ratios refer to.")
+@click.option("--tets", type=Count(), help="Size of a generated model, such as 100k.")
+@numbering_option
+@seed_option
+@click.option("--thesis", is_flag=True, help="As the source did it: its counts, its order, one net for all.")
+@click.option("--quick", is_flag=True, help="Fewer rounds.")
+@click.option("--rounds", type=int, help="How often each backend has its turn.")
+@click.option(
+    "-o", "--output", metavar="FILE.json", type=FILE, callback=check_folder, help="Save the results."
+)
+@charts_option
+@chart_format_option
+@format_option
+@click.pass_context
+def run(
+    ctx: click.Context, output: Path | None, charts: Path | None, chart_format: str, form: str, **choices: Any
+) -> None:
+    """Run scenarios on backends, compare the answers, and say what each cost in time and memory."""
+    from tetrabench.bench import exit_code, make_plan, run_benchmark, save_results
+
+    plan = make_plan(choices.pop("model"), **choices)
+    with _Progress() as progress:
+        results = run_benchmark(plan, progress=progress)
+    if output:
+        save_results(results, output)
+    present(results, form, charts, chart_format)
+    if output:
+        say(f"wrote {output}")
+    if results.interrupted:
+        kept = f"results so far are in {output}" if output else "no results are kept without -o"
+        raise Refusal(f"interrupted; {kept}", INTERRUPTED)
+    ctx.exit(exit_code(results))
+
+
+@main.command()
+@click.argument("results", type=FILE, metavar="RESULTS.json")
+@charts_option
+@chart_format_option
+@format_option
+def show(results: Path, charts: Path | None, chart_format: str, form: str) -> None:
+    """Show the table of a run that was saved, and draw its charts."""
+    from tetrabench.bench import read_results
+
+    present(read_results(results), form, charts, chart_format)
+
+
+@main.command("list")
+@click.argument("what", type=click.Choice(["backends", "scenarios", "models"]))
+@family_option
+def list_(what: str, family: str) -> None:
+    """List the backends, scenarios or models that there are."""
+    from tetrabench import registry
+
+    if what == "backends":
+        marked = [(one.name + "*" * one.extension, one) for one in registry.contestants(family)]
+        tabulate(
+            ["backend", "layout, slots", "trade-off"],
+            [(name, one.title, one.trade_off) for name, one in marked],
+        )
+        if any(one.extension for _, one in marked):
+            click.echo("* not from the source")
+    elif what == "scenarios":
+        rows = [
+            (one.name, one.title, _counts(one.options), _counts(one.thesis))
+            for one in registry.scenarios(family)
+        ]
+        tabulate(["scenario", "what it does", "counts", "with --thesis"], rows)
+    else:
+        tabulate(["model", "what it is"], list(registry.family(family).models.items()))
+
+
+@main.command()
+@click.argument("model", metavar="nozzle|box")
+@click.option("--tets", type=Count(), help="Wanted number of tetras, such as 100k.")
+@numbering_option
+@seed_option
+@click.option("-o", "--output", metavar="FILE.nas", type=FILE, callback=check_folder, required=True)
+def generate(model: str, tets: int | None, numbering: str, seed: int, output: Path) -> None:
+    """Make a model without a mesher and write it: the same file for the same seed."""
+    from tetrabench.io import write_mesh
+    from tetrabench.mesh import models
+
+    mesh = models.generate(model, tets, numbering=numbering, seed=seed)
+    write_mesh(mesh, output)
+    click.echo(mesh.report.source)
+    say(f"wrote {output}")
+
+
+def present(results: Results, form: str, charts: Path | None, chart_format: str) -> None:
+    """Print the table; draw the charts if they are wanted, and name their files."""
+    from tetrabench.report.table import as_markdown, as_text
+
+    colour = click.get_text_stream("stdout").isatty()
+    click.echo(
+        as_markdown(results) if form == "md" else as_text(results, colour=colour), nl=False, color=colour
+    )
+    if charts:
+        from tetrabench.report.chart import draw_charts
+
+        for path in draw_charts(results, charts, f".{chart_format}"):
+            say(f"wrote {path}")
+
+
+def tabulate(head: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """Print a table of words."""
+    from rich.box import SIMPLE_HEAD
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    console = Console()
+    if not console.is_terminal:
+        console.width = WIDTH
+    table = Table(box=SIMPLE_HEAD, show_edge=False, pad_edge=False)
+    for name in head:
+        table.add_column(name, no_wrap=name == head[0])
+    for row in rows:
+        table.add_row(*map(Text, row))
+    console.print(table)
+
+
+def say(message: str) -> None:
+    """A message to the person, apart from what was asked for."""
+    click.echo(message, err=True)
+
+
+def _counts(options: Mapping[str, int]) -> str:
+    return ", ".join(f"{number:,} {things.replace('_', ' ')}" for things, number in options.items())
+
+
+class _Progress:
+    """Progress of a run on stderr: a bar on a terminal, else a plain line a scenario."""
+
+    def __init__(self) -> None:
+        from rich.console import Console
+        from rich.progress import BarColumn, Progress, TextColumn
+
+        console = Console(stderr=True)
+        columns = TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[left]}")
+        self._live = console.is_terminal
+        self._bar = Progress(*columns, console=console, transient=True, disable=not self._live)
+        self._task = self._bar.add_task("starting the workers", total=None, left="")
+        self._scenarios: set[str] = set()
+        self._said = ""
+
+    def __enter__(self) -> _Progress:
+        self._bar.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._bar.stop()
+
+    def started(self, plan: Plan) -> None:
+        """What is going to happen."""
+        self._scenarios = {task.scenario for task in plan.tasks}
+        backends = ", ".join(backend.name for backend in plan.backends)
+        say(f"{plan.model}: {len(plan.tasks)} scenarios on {backends}, {plan.effort.rounds} rounds at most")
+
+    def step(self, text: str, done: int, total: int, seconds_remaining: float | None) -> None:
+        """What happens now."""
+        left = "" if seconds_remaining is None else f"{_clock(seconds_remaining)} left"
+        self._bar.update(self._task, description=text, completed=done, total=total, left=left)
+        phase = text.partition(":")[0]
+        phase = phase if phase in self._scenarios else "compiling, or loading what was compiled"
+        if phase != self._said and not self._live:
+            say(f"{phase} {f'({done} of {total} turns done, {left})' if left else ''}".rstrip())
+        self._said = phase
+
+
+def _clock(seconds: float) -> str:
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes}:{rest:02}"

@@ -1,0 +1,19 @@
+"""What can go wrong for a person, with the exit code the command line gives it."""
+
+
+class TetrabenchError(Exception):
+    """One clear line for a person: what is wrong and what to do next. Never a traceback."""
+
+    exit_code = 2
+
+
+class InputError(TetrabenchError):
+    """A file, mesh or option that cannot be taken. Files are named as `path:line: reason`."""
+
+    exit_code = 2
+
+
+class WrongAnswerError(TetrabenchError):
+    """A contestant's cell crashed or gave another answer than the others."""
+
+    exit_code = 3

@@ -1,0 +1,96 @@
+"""`generic`: one interface function, one implementation for each storage type, in numba and in plain Python.
+
+A function of the interface is declared once, with its contract in the docstring:
+
+    @generic(on="layout")
+    def volume(net, t):
+        "Volume of tetra t."
+
+and implemented for the type of `net.layout` (a NamedTuple class):
+
+    @implements(interface.volume, PropertyArrays)
+    def volume(net, t):
+        return net.layout.volume[t]
+
+The one registration serves numba, through `numba.extending.overload`, and plain Python, so that every kernel also
+runs with the JIT off, in a debugger and under coverage (a bare overload stub would return None there).
+
+Implementations are inlined into the kernel that calls them, always: a storage is some hundred words, and numba would
+pass it by value, on the stack, to every function that is not inlined. That is why they have to be small.
+"""
+
+import inspect
+from collections.abc import Callable
+from typing import Any
+
+from numba.core.errors import TypingError
+from numba.extending import overload
+
+Function = Callable[..., Any]
+
+_IMPLEMENTATIONS: dict[Function, dict[type, Function]] = {}
+
+
+def generic(*, on: str) -> Callable[[Function], Function]:
+    """Declare a function whose first argument is a net, dispatched on the class of the net's field `on`."""
+
+    def declare(contract: Function) -> Function:
+        table: dict[type, Function] = {}
+
+        def dispatch(*arguments: Any) -> Any:
+            storage = type(getattr(arguments[0], on))
+            if storage not in table:
+                raise TypeError(_missing(contract, storage))
+            return table[storage](*arguments)
+
+        def choose(net: Any, *_: Any) -> Function:
+            storage = net.types[net.fields.index(on)].instance_class
+            if storage not in table:
+                raise TypingError(_missing(contract, storage))
+            return table[storage]
+
+        dispatch.__name__ = dispatch.__qualname__ = contract.__name__
+        dispatch.__doc__ = contract.__doc__
+        dispatch.__module__ = contract.__module__
+        dispatch.__signature__ = inspect.signature(contract)  # type: ignore[attr-defined]
+        choose.__signature__ = _bare(contract)  # type: ignore[attr-defined]
+        overload(dispatch, jit_options={"forceinline": True, "error_model": "numpy"})(choose)
+        _IMPLEMENTATIONS[dispatch] = table
+        return dispatch
+
+    return declare
+
+
+def implements(function: Function, storage: type) -> Callable[[Function], Function]:
+    """Register an implementation of the generic `function` for nets that hold a `storage`.
+
+    Raises:
+        TypeError: the parameters differ from the declared ones, or `storage` has an implementation already.
+    """
+    table = _IMPLEMENTATIONS[function]
+
+    def register(implementation: Function) -> Function:
+        declared, given = inspect.signature(function), inspect.signature(implementation)
+        if list(declared.parameters) != list(given.parameters):
+            raise TypeError(f"{storage.__name__}: {function.__name__} takes {declared}, not {given}")
+        if storage in table:
+            raise TypeError(f"{storage.__name__} implements {function.__name__} already")
+        table[storage] = implementation
+        return implementation
+
+    return register
+
+
+def is_implemented(function: Function, storage: type) -> bool:
+    """Whether the generic `function` has an implementation for `storage`."""
+    return storage in _IMPLEMENTATIONS[function]
+
+
+def _bare(function: Function) -> inspect.Signature:
+    """The signature without annotations: numba compares it to that of an implementation, which has none."""
+    parameters = inspect.signature(function).parameters
+    return inspect.Signature([inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD) for name in parameters])
+
+
+def _missing(contract: Function, storage: type) -> str:
+    return f"{storage.__name__} does not implement {contract.__name__}{inspect.signature(contract)}"

@@ -1,0 +1,126 @@
+"""What the harness asks of a family, a contestant, a scenario: all that `bench`, `report` and the verbs know of them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+Options = Mapping[str, int]
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a scenario found, independent of how its contestant stores things.
+
+    Attributes:
+        digest: 16 hexadecimal digits; equal for all contestants, bit for bit, or one of them is wrong.
+        figures: counts and sums for people, to see at a glance what a difference is about.
+    """
+
+    digest: str
+    figures: Mapping[str, int | float]
+
+
+@dataclass(frozen=True)
+class Work:
+    """How much one sample did.
+
+    Attributes:
+        items: how many of `unit` were done.
+        unit: what was done, such as "tetra sweeps" or "splits".
+        least_bytes: the least traffic with memory that any storage could need for it, None where nobody can say.
+    """
+
+    items: int
+    unit: str
+    least_bytes: int | None = None
+
+
+class Contestant(Protocol):
+    """A way to store something. `name` is what people type; `extension` marks those that are not from the source."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def title(self) -> str: ...
+    @property
+    def trade_off(self) -> str: ...
+    @property
+    def family(self) -> str: ...
+    @property
+    def extension(self) -> bool: ...
+
+
+class Stage(Protocol):
+    """One contestant with one model, in one worker: where scenarios get what they work on."""
+
+    def model_size(self) -> Mapping[str, int]:
+        """How large the model is, by what is counted, such as {"tetras": 642700, "points": 120000}."""
+
+    def structure_bytes(self) -> Mapping[str, tuple[int, int]]:
+        """Bytes (used, reserved) of each buffer of the structure as it stands now, by name; each buffer once."""
+
+    def close(self) -> None:
+        """Give everything back."""
+
+
+class Scenario(Protocol):
+    """A workload, written once against the interface of its family.
+
+    `options` are its counts with their defaults, `thesis` the counts of the source (same keys).
+    """
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def title(self) -> str: ...
+    @property
+    def family(self) -> str: ...
+    @property
+    def options(self) -> Options: ...
+    @property
+    def thesis(self) -> Options: ...
+
+    def skip(self, contestant: Any) -> str | None:
+        """Why this contestant cannot run it; None if it can."""
+
+    def prepare(self, stage: Any, options: Options) -> Any:
+        """What `run` works on; fresh for every sample. Untimed."""
+
+    def run(self, subject: Any) -> Any:
+        """The workload. The only thing that is timed; returns its outcome."""
+
+    def answer(self, subject: Any, outcome: Any) -> Answer:
+        """What was found. Untimed; `subject` may be used up."""
+
+    def work(self, subject: Any, outcome: Any) -> Work:
+        """How much was done. Untimed."""
+
+
+class Family(Protocol):
+    """A kind of thing to store: its models, its reference contestant, its stage."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def reference(self) -> str:
+        """The contestant that ratios refer to."""
+    @property
+    def thesis_order(self) -> Sequence[str]:
+        """The scenarios of the source, in its order, on one net that changes as it goes."""
+    @property
+    def models(self) -> Mapping[str, str]:
+        """Models that can be generated: name -> one line about it."""
+
+    def find_model(self, model: str, *, size: int | None, numbering: str, seed: int) -> Path:
+        """The file of a model: `model` is a path, or the name of one that is generated into the user's cache.
+
+        Raises:
+            InputError: there is no such file and no such model; says how to get one.
+        """
+
+    def small_model(self) -> Path:
+        """A model so small that only compiling takes time on it."""
+
+    def stage(self, contestant: Any, model: Path, *, chained: bool) -> Stage:
+        """A stage; `chained` gives every scenario the same net, as the source did, else each starts from a fresh one."""

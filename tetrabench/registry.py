@@ -1,0 +1,135 @@
+"""Families, contestants and scenarios by name, all found through entry points, ours like anybody's.
+
+An entry point is named after its family, and names an explicit table: one `Family` in the group `tetrabench.families`,
+an iterable of contestants in `tetrabench.contestants`, of scenarios in `tetrabench.scenarios`. Only the tables of the
+family that is asked for are imported.
+"""
+
+import difflib
+import functools
+from collections.abc import Iterable
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any, TypeVar
+
+from tetrabench.errors import InputError
+from tetrabench.protocols import Contestant, Family, Scenario
+
+_Member = TypeVar("_Member")
+
+
+def families() -> list[Family]:
+    """All families.
+
+    Raises:
+        InputError: a plug-in cannot be imported, or two of them use one name.
+    """
+    return [family(name) for name in _families()]
+
+
+def family(name: str) -> Family:
+    """One family.
+
+    Raises:
+        InputError: its plug-in cannot be imported, two of them use one name, or there is none of that name.
+    """
+    loaded: Family = _load(_find("family", _families(), name))
+    return loaded
+
+
+def contestants(family_name: str) -> list[Contestant]:
+    """All contestants of a family, in the order of their tables.
+
+    Raises:
+        InputError: a plug-in cannot be imported, or two contestants of one family have one name.
+    """
+    return list(_members("tetrabench.contestants", family_name).values())
+
+
+def contestant(family_name: str, name: str) -> Contestant:
+    """One contestant.
+
+    Raises:
+        InputError: as `contestants`, or there is none of that name.
+    """
+    known: dict[str, Contestant] = _members("tetrabench.contestants", family_name)
+    return _find("backend", known, name)
+
+
+def scenarios(family_name: str) -> list[Scenario]:
+    """All scenarios of a family, in the order of their tables.
+
+    Raises:
+        InputError: a plug-in cannot be imported, or two scenarios of one family have one name.
+    """
+    return list(_members("tetrabench.scenarios", family_name).values())
+
+
+def scenario(family_name: str, name: str) -> Scenario:
+    """One scenario.
+
+    Raises:
+        InputError: as `scenarios`, or there is none of that name.
+    """
+    known: dict[str, Scenario] = _members("tetrabench.scenarios", family_name)
+    return _find("scenario", known, name)
+
+
+def _find(kind: str, known: dict[str, _Member], name: str) -> _Member:
+    if name in known:
+        return known[name]
+    near = difflib.get_close_matches(name.lower(), known, n=1)
+    hint = f"did you mean '{near[0]}'? " if near else ""
+    raise InputError(f"no {kind} '{name}'; {hint}there are: {', '.join(known) or 'none'}")
+
+
+@functools.cache
+def _families() -> dict[str, EntryPoint]:
+    found = _entry_points("tetrabench.families")
+    return _by_name((entry.name, entry, _distribution(entry)) for entry in found)
+
+
+@functools.cache
+def _members(group: str, family_name: str) -> dict[str, Any]:
+    _find("family", _families(), family_name)
+    found = _entry_points(group)
+    for entry in found:
+        if entry.name not in _families():  # else a plug-in's table would go unnoticed
+            known = ", ".join(_families())
+            raise InputError(
+                f"plug-in {_distribution(entry)}: '{entry.name}' in {group} is no family; there are: {known}"
+            )
+    return _by_name(
+        (member.name, member, _distribution(entry))
+        for entry in found
+        if entry.name == family_name
+        for member in _load(entry)
+    )
+
+
+def _by_name(members: Iterable[tuple[str, Any, str]]) -> dict[str, Any]:
+    """The members (name, itself, distribution) by name."""
+    known: dict[str, tuple[Any, str]] = {}
+    for name, member, distribution in members:
+        if name in known:
+            _, other = known[name]
+            raise InputError(f"'{name}' is defined twice, by {other} and by {distribution}: remove one")
+        known[name] = (member, distribution)
+    return {name: member for name, (member, _) in known.items()}
+
+
+def _entry_points(group: str) -> list[EntryPoint]:
+    """Ours first, then by distribution."""
+    names = {entry: _distribution(entry) for entry in entry_points(group=group)}
+    return sorted(names, key=lambda entry: (names[entry] != "tetrabench", names[entry]))
+
+
+def _load(entry: EntryPoint) -> Any:
+    try:
+        return entry.load()
+    except Exception as error:  # whatever a plug-in does at import
+        reason = f"{type(error).__name__}: {error}"
+        raise InputError(f"plug-in {_distribution(entry)}: cannot import {entry.value}: {reason}") from error
+
+
+def _distribution(entry: EntryPoint) -> str:
+    return entry.dist.name if entry.dist else "an unknown distribution"

@@ -1,0 +1,160 @@
+"""The tetra family, as the harness sees it: its models, its reference contestant, its stage."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from tetrabench.errors import InputError
+from tetrabench.io import read_mesh, write_mesh
+from tetrabench.jit import cache_root, kernel
+from tetrabench.mesh import TetraMesh
+from tetrabench.mesh.models import MODELS, generate
+from tetrabench.tetra.contestant import TetraContestant
+from tetrabench.tetra.interface import (
+    NONE,
+    STATES,
+    Net,
+    centroid,
+    first_tetra,
+    next_tetra,
+    set_state,
+)
+from tetrabench.tetra.net import TetraNet
+
+
+class TetraStage:
+    """One contestant with one model: where scenarios get the net they work on.
+
+    Every net that it gives out has its initial state: state 0 a smooth function of the place, the others 0.
+    """
+
+    def __init__(self, contestant: TetraContestant, model: Path, *, chained: bool) -> None:
+        """`chained`: all scenarios get one and the same net, as in the source's runs; else each starts from a fresh one."""
+        self.contestant = contestant
+        self.model = model
+        self.chained = chained
+        self._mesh: TetraMesh | None = None
+        self._net: TetraNet | None = None  # fresh, or in a chain the one net
+        self._own: TetraNet | None = None  # the net that a sample may use up
+
+    @property
+    def mesh(self) -> TetraMesh:
+        """The model, read on first use."""
+        if self._mesh is None:
+            self._mesh = read_mesh(self.model)
+        return self._mesh
+
+    def net(self) -> TetraNet:
+        """A net for scenarios that change nothing but states. In a chain it keeps the states that it has."""
+        if self._net is None:
+            self._net = self._build()
+        elif not self.chained:
+            set_initial_states(self._net)
+        return self._net
+
+    def own_net(self) -> TetraNet:
+        """A net for scenarios that change it: a fresh one, or in a chain the one net."""
+        if self.chained:
+            return self.net()
+        self._drop_own()
+        self._own = self._build()
+        return self._own
+
+    def adopt(self, net: TetraNet) -> None:
+        """Take over a net that a scenario has made from the model: the own one, and in a chain the one net."""
+        set_initial_states(net)
+        if self.chained:
+            self._net = net
+        else:
+            self._drop_own()
+            self._own = net
+
+    def structure_bytes(self) -> Mapping[str, tuple[int, int]]:
+        """Bytes (used, reserved) of each buffer of the net that was given out last."""
+        net = self._own or self._net
+        return net.structure_bytes() if net is not None and net.is_open else {}
+
+    def close(self) -> None:
+        """Give back all nets."""
+        self._drop_own()
+        if self._net is not None:
+            self._net.close()
+            self._net = None
+
+    def _build(self) -> TetraNet:
+        net = TetraNet(self.mesh, self.contestant)
+        set_initial_states(net)
+        return net
+
+    def _drop_own(self) -> None:
+        if self._own is not None:
+            self._own.close()
+            self._own = None
+
+
+def set_initial_states(net: TetraNet) -> None:
+    """State 0 = 0.5 + 0.5 sin(3x) cos(2y) sin(1.7z + 0.3), centroids over the diagonal of the bounding box; others 0.
+
+    Independent of the numbering of the mesh.
+    """
+    _set_initial_states(net.storage)
+
+
+@kernel
+def _set_initial_states(net: Net) -> None:
+    diagonal = net.points.diagonal
+    cursor = first_tetra(net)
+    while cursor.tetra != NONE:
+        t = cursor.tetra
+        x, y, z = centroid(net, t, 0) / diagonal, centroid(net, t, 1) / diagonal, centroid(net, t, 2) / diagonal
+        set_state(net, t, 0, 0.5 + 0.5 * np.sin(3.0 * x) * np.cos(2.0 * y) * np.sin(1.7 * z + 0.3))
+        for k in range(1, STATES):
+            set_state(net, t, k, 0.0)
+        cursor = next_tetra(net, cursor)
+
+
+class TetraFamily:
+    """Tetrahedral nets."""
+
+    name = "tetra"
+    reference = "v3y"
+    thesis_order = ("init", "delete", "explode", "alfa", "flow", "free")
+    models: Mapping[str, str] = {name: model.title for name, model in MODELS.items()}
+
+    def find_model(self, model: str, *, size: int | None, numbering: str, seed: int) -> Path:
+        """The file of a model: `model` is a path, or the name of one that is generated into the user's cache."""
+        if model not in MODELS:
+            path = Path(model)
+            if not path.is_file():
+                raise InputError(_how_to_get(path))
+            if size is not None or numbering != "natural":
+                raise InputError(f"{model} is a file: a size or numbering can only be given for {', '.join(MODELS)}")
+            return path
+        folder = cache_root() / "models"
+        path = folder / f"{model}-{size or MODELS[model].tets}-{numbering}-{seed}.nas"
+        if not path.is_file():
+            folder.mkdir(parents=True, exist_ok=True)
+            write_mesh(generate(model, size, numbering=numbering, seed=seed), path)
+        return path
+
+    def small_model(self) -> Path:
+        """A box of a few hundred tetras."""
+        return self.find_model("box", size=400, numbering="natural", seed=0)
+
+    def stage(self, contestant: TetraContestant, model: Path, *, chained: bool) -> TetraStage:
+        """A stage for a contestant of this family."""
+        return TetraStage(contestant, model, chained=chained)
+
+
+def _how_to_get(path: Path) -> str:
+    known = ", ".join(MODELS)
+    if path.stem in MODELS:
+        return (
+            f"{path}: no such file. Make one with `tetrabench generate {path.stem} -o {path}`, "
+            f"or say `--model {path.stem}` to have one made for you"
+        )
+    return f"{path}: no such file, and no model of that name ({known}); `tetrabench generate` makes files of those"
+
+
+FAMILY = TetraFamily()

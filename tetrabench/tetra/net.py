@@ -1,0 +1,342 @@
+"""TetraNet: the Python face of any tetra contestant."""
+
+import weakref
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tetrabench.errors import InputError
+from tetrabench.jit import kernel
+from tetrabench.jit.generic import is_implemented
+from tetrabench.mesh import TetraMesh
+from tetrabench.mesh.check import check_mesh
+from tetrabench.protocols import Answer
+from tetrabench.tetra import audit, digest, edit, interface, memory
+from tetrabench.tetra.contestant import TetraContestant
+from tetrabench.tetra.deform import deform
+from tetrabench.tetra.incidence import END, first_around, next_around, ref_around
+from tetrabench.tetra.interface import NONE, Net
+from tetrabench.tetra.locate import Grid, locate
+from tetrabench.tetra.nearest import make_stack, nearest_points
+from tetrabench.tetra.points import COUNT, EDITS
+
+
+class TetraNet:
+    """A tetrahedral net in the storage of a contestant: ask it, change it, or hand `storage` to kernels of your own.
+
+    A ref stands for a tetra: an int64, valid until that tetra is deleted. Arrays of refs are (n,) int64; -1 is no tetra.
+    Properties over the whole net are in iteration order, that of `refs`.
+    """
+
+    def __init__(self, mesh: TetraMesh, contestant: TetraContestant) -> None:
+        """Build the net of a mesh: point refs are the rows of `mesh.points`; states are 0.
+
+        Raises:
+            InputError: the mesh is none that a net can hold (a repeated vertex, a side of three tetras, ...).
+        """
+        check_mesh(mesh)
+        self.contestant = contestant
+        self._adopt(contestant.build(mesh))
+
+    def _adopt(self, storage: Net) -> None:
+        self._storage = storage
+        self._grid: tuple[int, Grid] | None = None
+        # What Python cannot see (V4's nodes) goes when the last owner goes. Growth keeps the nodes and changes the
+        # counters that lead to them, so the finalizer follows the box, not the storage of today.
+        self._box = [storage]
+        self._finalizer = weakref.finalize(self, _release, self._box)
+        self._finalizer.atexit = False  # a process that ends gives everything back
+
+    @property
+    def storage(self) -> Net:
+        """What kernels take. A kernel that edits returns the storage to go on with: assign it back."""
+        return self._storage
+
+    @storage.setter
+    def storage(self, storage: Net) -> None:
+        self._storage = self._box[0] = storage
+
+    def close(self) -> None:
+        """Give the memory back now; the net is empty and unusable afterwards."""
+        self._finalizer()
+        self.__dict__.pop("_storage", None)
+        self._grid = None
+
+    @property
+    def is_open(self) -> bool:
+        """False after `close`."""
+        return bool(self._box)
+
+    # ------------------------------------------------------------------ counts and whole-net arrays
+
+    def __len__(self) -> int:
+        return int(interface.number_of_tetras(self._storage))
+
+    def __iter__(self) -> Iterator[int]:
+        """Refs in iteration order, of the net as it is now: it may change on the way."""
+        return iter(self.refs.tolist())
+
+    def __contains__(self, t: int) -> bool:
+        return t >= 0 and bool(interface.is_live(self._storage, t))
+
+    @property
+    def refs(self) -> NDArray[np.int64]:
+        """Refs of all tetras, (n,) int64, in iteration order."""
+        refs: NDArray[np.int64] = interface.tetra_refs(self._storage)
+        return refs
+
+    @property
+    def last(self) -> int:
+        """The last tetra (highest index, or tail of the list), -1 in an empty net."""
+        return int(interface.last_tetra(self._storage)) if len(self) else int(NONE)
+
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """Coordinates, (n, 3) float64, a view that must not be written to (see `deform`)."""
+        view = self._storage.points.xyz[: self._storage.points.counters[COUNT]]
+        view.flags.writeable = False
+        return view
+
+    @property
+    def vertices(self) -> NDArray[np.int32]:
+        """Point refs, (n, 4) int32."""
+        return _vertices(self._storage, self.refs)
+
+    @property
+    def neighbours(self) -> NDArray[np.int64]:
+        """Refs of the tetras behind the sides, (n, 4) int64; side i is opposite vertex i; -1 at the surface."""
+        return _neighbours(self._storage, self.refs)
+
+    @property
+    def volumes(self) -> NDArray[np.float64]:
+        """Volumes, (n,) float64, absolute, in the cube of the points' unit."""
+        return self._static()[:, 0]
+
+    @property
+    def centroids(self) -> NDArray[np.float64]:
+        """Means of the vertices, (n, 3) float64."""
+        return self._static()[:, 1:4]
+
+    @property
+    def side_areas(self) -> NDArray[np.float64]:
+        """Areas of the sides, (n, 4) float64."""
+        return self._static()[:, 4:8]
+
+    @property
+    def side_normals(self) -> NDArray[np.float64]:
+        """Outward unit normals of the sides, (n, 4, 3) float64."""
+        return self._static()[:, 8:].reshape(-1, 4, 3)
+
+    def _static(self) -> NDArray[np.float64]:
+        return _static(self._storage, self.refs)
+
+    @property
+    def states(self) -> NDArray[np.float64]:
+        """State vectors, (n, 5) float64, a copy; assign an array of that shape to set them."""
+        return _states(self._storage, self.refs)
+
+    @states.setter
+    def states(self, values: ArrayLike) -> None:
+        wanted = (len(self), interface.STATES)
+        values = np.require(values, np.float64, ["C", "W", "O"])
+        if values.shape != wanted:
+            raise InputError(f"the states of this net have the shape {wanted}, not {values.shape}")
+        _set_states(self._storage, self.refs, values)
+
+    # ------------------------------------------------------------------ one tetra
+
+    def vertices_of(self, t: int) -> tuple[int, int, int, int]:
+        """Point refs of a tetra."""
+        a, b, c, d = _vertices(self._storage, self._one(t))[0].tolist()
+        return a, b, c, d
+
+    def neighbours_of(self, t: int) -> tuple[int, int, int, int]:
+        """Tetras behind the four sides of a tetra, -1 at the surface."""
+        a, b, c, d = _neighbours(self._storage, self._one(t))[0].tolist()
+        return a, b, c, d
+
+    def tetras_around(self, point: int) -> list[int]:
+        """Refs of the tetras that use a point."""
+        if not 0 <= point < len(self.points):
+            raise InputError(f"there is no point {point}: the net has {len(self.points)}")
+        refs: list[int] = _around(self._storage, point).tolist()
+        return refs
+
+    def _one(self, t: int) -> NDArray[np.int64]:
+        if t not in self:
+            raise InputError(f"there is no tetra {t}")
+        return np.array([t], np.int64)
+
+    # ------------------------------------------------------------------ questions
+
+    def locate(self, points: ArrayLike, method: str = "walk") -> NDArray[np.int64]:
+        """The tetra that holds each point (m, 3): (m,) refs, -1 outside. See `tetrabench.tetra.locate`."""
+        edits = int(self._storage.points.counters[EDITS])
+        grid = self._grid[1] if self._grid and self._grid[0] == edits else None
+        refs, grid = locate(self._storage, np.asarray(points, np.float64), method, grid)
+        self._grid = (edits, grid) if grid is not None else None
+        return refs
+
+    def nearest_points(self, queries: ArrayLike) -> NDArray[np.int32]:
+        """The point nearest to each query (m, 3): (m,) point refs."""
+        return nearest_points(self._storage.tree, self.points, np.asarray(queries, np.float64))
+
+    def check(self) -> list[str]:
+        """Audit the whole structure: sentences about what is wrong, empty if it is sound."""
+        return [audit.CHECKS[name] for name in audit.audit(self._storage)]
+
+    def answer(self) -> Answer:
+        """A digest that is equal for equal nets, however they are stored, and sums for people."""
+        return digest.net_answer(self._storage)
+
+    def structure_bytes(self) -> dict[str, tuple[int, int]]:
+        """Bytes (used, reserved) of each buffer, by name."""
+        return memory.structure_bytes(self._storage)
+
+    # ------------------------------------------------------------------ changes
+
+    def insert_point(self, x: float, y: float, z: float) -> int:
+        """The ref of the point there: an existing one, within 1e-9 of the net's diagonal, or a new one."""
+        if not np.isfinite([x, y, z]).all():
+            raise InputError(f"({x}, {y}, {z}) is no point")
+        self.storage = edit.reserve(self._storage, 0, 1)
+        return int(edit.insert_point(self._storage, float(x), float(y), float(z), make_stack()))
+
+    def insert(self, a: int, b: int, c: int, d: int) -> int:
+        """Insert the tetra of four points and return its ref; states are 0.
+
+        Raises:
+            InputError: equal or unknown points, a tetra that is there already, a side that two tetras share already.
+        """
+        self.storage = edit.reserve(self._storage, 1, 0)
+        try:
+            return int(edit.insert_tetra(self._storage, int(a), int(b), int(c), int(d)))
+        except ValueError as error:
+            raise InputError(f"cannot insert the tetra ({a}, {b}, {c}, {d}): {error}") from None
+
+    def delete(self, t: int) -> None:
+        """Delete a tetra; its points stay.
+
+        Raises:
+            InputError: there is no such tetra. (The address of a deleted V4 node cannot be told from a live one.)
+        """
+        self._one(t)
+        try:
+            edit.delete_tetra(self._storage, int(t))
+        except ValueError as error:
+            raise InputError(f"cannot delete {t}: {error}") from None
+
+    def split(self, refs: ArrayLike) -> int:
+        """Split tetras in four around their centroids; children inherit the states. Returns how many were skipped."""
+        self.storage, skipped = edit.split_many(self._storage, np.asarray(refs, np.int64))
+        return skipped
+
+    def deform(self, move: Callable[[NDArray[np.float64]], NDArray[np.float64]]) -> int:
+        """Move the points by a map (n, 3) -> (n, 3); returns how many tetras were touched. See `tetra.deform`."""
+        moved = np.require(move(self.points.copy()), np.float64, ["C", "W", "O"])
+        self.storage, touched = deform(self._storage, moved)
+        return touched
+
+    # ------------------------------------------------------------------ out of it
+
+    def to_mesh(self) -> TetraMesh:
+        """The live tetras in iteration order, with all points."""
+        tets, points = self.vertices, np.array(self.points)
+        return TetraMesh(points, tets, np.arange(1, len(points) + 1), np.arange(1, len(tets) + 1))
+
+    def copy(self) -> "TetraNet":
+        """An independent net with the same points, tetras (without the holes between them) and states."""
+        twin = TetraNet(self.to_mesh(), self.contestant)
+        twin.states = self.states
+        return twin
+
+    __copy__ = copy
+
+    def __deepcopy__(self, _memo: Any) -> "TetraNet":
+        return self.copy()
+
+    def __reduce__(self) -> Any:  # a pickle goes through the mesh: a storage may hold addresses
+        return _restore, (self.to_mesh(), self.contestant, self.states)
+
+    def __repr__(self) -> str:
+        return f"<TetraNet {self.contestant.name}: {len(self):,} tetras, {len(self.points):,} points>"
+
+
+def _restore(mesh: TetraMesh, contestant: TetraContestant, states: NDArray[np.float64]) -> TetraNet:
+    net = TetraNet(mesh, contestant)
+    net.states = states
+    return net
+
+
+def _release(box: list[Net]) -> None:
+    storage = box.pop()
+    if is_implemented(interface.release, type(storage.slots)):
+        _release_storage(storage)
+
+
+@kernel
+def _release_storage(net: Net) -> None:
+    interface.release(net)
+
+
+@kernel
+def _vertices(net: Net, refs: Any) -> Any:
+    values = np.empty((len(refs), 4), np.int32)
+    for n in range(len(refs)):
+        for i in range(4):
+            values[n, i] = interface.vertex(net, refs[n], i)
+    return values
+
+
+@kernel
+def _neighbours(net: Net, refs: Any) -> Any:
+    values = np.empty((len(refs), 4), np.int64)
+    for n in range(len(refs)):
+        for i in range(4):
+            values[n, i] = interface.neighbour(net, refs[n], i)
+    return values
+
+
+@kernel
+def _static(net: Net, refs: Any) -> Any:
+    """Rows of volume, centroid (3), side areas (4), side normals (4 x 3)."""
+    values = np.empty((len(refs), 20))
+    for n in range(len(refs)):
+        values[n, 0] = interface.volume(net, refs[n])
+        for k in range(3):
+            values[n, 1 + k] = interface.centroid(net, refs[n], k)
+        for i in range(4):
+            values[n, 4 + i] = interface.side_area(net, refs[n], i)
+            for k in range(3):
+                values[n, 8 + 3 * i + k] = interface.side_normal(net, refs[n], i, k)
+    return values
+
+
+@kernel
+def _states(net: Net, refs: Any) -> Any:
+    values = np.empty((len(refs), interface.STATES))
+    for n in range(len(refs)):
+        for k in range(interface.STATES):
+            values[n, k] = interface.state(net, refs[n], k)
+    return values
+
+
+@kernel
+def _set_states(net: Net, refs: Any, values: Any) -> None:
+    for n in range(len(refs)):
+        for k in range(interface.STATES):
+            interface.set_state(net, refs[n], k, values[n, k])
+
+
+@kernel
+def _around(net: Net, point: int) -> Any:
+    refs = np.empty(len(net.incidence.entries), np.int64)
+    n = 0
+    place = first_around(net.incidence, point)
+    while place != END:
+        refs[n] = ref_around(net.incidence, place)
+        place = next_around(net.incidence, place)
+        n += 1
+    return refs[:n].copy()
