@@ -1,4 +1,4 @@
-"""Tetrabench: the same workloads on interchangeable ways to store a mesh, compared in answers, time and memory.
+"""Tetrabench: the same workloads on interchangeable ways to store a mesh, compared in answers, time, memory.
 
 The public face. Everything is imported on first use, so that `import tetrabench` costs next to nothing.
 """

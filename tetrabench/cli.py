@@ -6,17 +6,19 @@ What is heavy is imported inside the verbs, so that help comes at once.
 from __future__ import annotations
 
 import re
+import sys
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from tetrabench.errors import TetrabenchError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from tetrabench.bench import Plan, Results
+    from tetrabench.protocols import Scenario
 
 FILE = click.Path(dir_okay=False, path_type=Path)
 WIDTH = 100  # where there is no terminal to fit into
@@ -31,9 +33,11 @@ class Verbs(click.Group):
         try:
             return super().invoke(ctx)
         except TetrabenchError as error:
-            raise Refusal(str(error), error.exit_code) from error
-        except KeyboardInterrupt as interrupt:
-            raise Refusal("interrupted", INTERRUPTED) from interrupt
+            say(f"tetrabench: {error}")
+            ctx.exit(error.exit_code)
+        except KeyboardInterrupt:
+            say("tetrabench: interrupted")
+            ctx.exit(INTERRUPTED)
 
 
 def read_count(ctx: click.Context, param: click.Parameter, text: str | None) -> int | None:
@@ -100,7 +104,8 @@ chart_format_option = click.option(
 def main() -> None:
     """How should a program store a large mesh? The same workloads on interchangeable storage backends.
 
-    Exit codes: 0 all well; 2 wrong usage or bad input; 3 a backend crashed or gave a wrong answer; 130 interrupted.
+    Exit codes: 0 all well; 2 wrong usage or bad input; 3 a backend crashed or gave a wrong answer;
+    130 interrupted.
     """
 
 
@@ -114,7 +119,7 @@ def main() -> None:
     "--scenario", "scenarios", multiple=True, callback=split_names, metavar="A,B", help="All unless given."
 )
 @click.option("--reference", metavar="A", help="The backend that ratios refer to.")
-@click.option("--tets", type=Count(), help="Size of a generated model, such as 100k.")
+@click.option("--tets", callback=read_count, metavar="N", help="Size of a generated model, such as 100k.")
 @numbering_option
 @seed_option
 @click.option("--thesis", is_flag=True, help="As the source did it: its counts, its order, one net for all.")
@@ -128,7 +133,13 @@ def main() -> None:
 @format_option
 @click.pass_context
 def run(
-    ctx: click.Context, output: Path | None, charts: Path | None, chart_format: str, form: str, **choices: Any
+    ctx: click.Context,
+    /,
+    output: Path | None,
+    charts: Path | None,
+    chart_format: str,
+    form: str,
+    **choices: Any,
 ) -> None:
     """Run scenarios on backends, compare the answers, and say what each cost in time and memory."""
     from tetrabench.bench import exit_code, make_plan, run_benchmark, save_results
@@ -143,7 +154,7 @@ def run(
         say(f"wrote {output}")
     if results.interrupted:
         kept = f"results so far are in {output}" if output else "no results are kept without -o"
-        raise Refusal(f"interrupted; {kept}", INTERRUPTED)
+        say(f"tetrabench: interrupted; {kept}")
     ctx.exit(exit_code(results))
 
 
@@ -175,18 +186,15 @@ def list_(what: str, family: str) -> None:
         if any(one.extension for _, one in marked):
             click.echo("* not from the source")
     elif what == "scenarios":
-        rows = [
-            (one.name, one.title, _counts(one.options), _counts(one.thesis))
-            for one in registry.scenarios(family)
-        ]
-        tabulate(["scenario", "what it does", "counts", "with --thesis"], rows)
+        rows = [(one.name, one.title, _counts(one)) for one in registry.scenarios(family)]
+        tabulate(["scenario", "what it does", "counts"], rows)
     else:
         tabulate(["model", "what it is"], list(registry.family(family).models.items()))
 
 
 @main.command()
 @click.argument("model", metavar="nozzle|box")
-@click.option("--tets", type=Count(), help="Wanted number of tetras, such as 100k.")
+@click.option("--tets", callback=read_count, metavar="N", help="Wanted number of tetras, such as 100k.")
 @numbering_option
 @seed_option
 @click.option("-o", "--output", metavar="FILE.nas", type=FILE, callback=check_folder, required=True)
@@ -205,7 +213,7 @@ def present(results: Results, form: str, charts: Path | None, chart_format: str)
     """Print the table; draw the charts if they are wanted, and name their files."""
     from tetrabench.report.table import as_markdown, as_text
 
-    colour = click.get_text_stream("stdout").isatty()
+    colour = sys.stdout.isatty()
     click.echo(
         as_markdown(results) if form == "md" else as_text(results, colour=colour), nl=False, color=colour
     )
@@ -239,8 +247,13 @@ def say(message: str) -> None:
     click.echo(message, err=True)
 
 
-def _counts(options: Mapping[str, int]) -> str:
-    return ", ".join(f"{number:,} {things.replace('_', ' ')}" for things, number in options.items())
+def _counts(scenario: Scenario) -> str:
+    """Its options, and those of the source where they are others."""
+    thesis = scenario.thesis
+    return ", ".join(
+        f"{name} {count:,}" + (f" (thesis {thesis[name]:,})" if thesis[name] != count else "")
+        for name, count in scenario.options.items()
+    )
 
 
 class _Progress:
@@ -251,9 +264,9 @@ class _Progress:
         from rich.progress import BarColumn, Progress, TextColumn
 
         console = Console(stderr=True)
-        columns = TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[left]}")
+        text, left = TextColumn("{task.description}"), TextColumn("{task.fields[left]}")
         self._live = console.is_terminal
-        self._bar = Progress(*columns, console=console, transient=True, disable=not self._live)
+        self._bar = Progress(text, BarColumn(), left, console=console, transient=True, disable=not self._live)
         self._task = self._bar.add_task("starting the workers", total=None, left="")
         self._scenarios: set[str] = set()
         self._said = ""
@@ -269,7 +282,9 @@ class _Progress:
         """What is going to happen."""
         self._scenarios = {task.scenario for task in plan.tasks}
         backends = ", ".join(backend.name for backend in plan.backends)
-        say(f"{plan.model}: {len(plan.tasks)} scenarios on {backends}, {plan.effort.rounds} rounds at most")
+        self._say(
+            f"{plan.model}: {len(plan.tasks)} scenarios on {backends}, {plan.effort.rounds} rounds at most"
+        )
 
     def step(self, text: str, done: int, total: int, seconds_remaining: float | None) -> None:
         """What happens now."""
@@ -278,8 +293,11 @@ class _Progress:
         phase = text.partition(":")[0]
         phase = phase if phase in self._scenarios else "compiling, or loading what was compiled"
         if phase != self._said and not self._live:
-            say(f"{phase} {f'({done} of {total} turns done, {left})' if left else ''}".rstrip())
+            self._say(f"{phase} {f'({done} of {total} turns done, {left})' if left else ''}".rstrip())
         self._said = phase
+
+    def _say(self, message: str) -> None:
+        self._bar.console.print(message, markup=False, highlight=False, soft_wrap=True)
 
 
 def _clock(seconds: float) -> str:

@@ -1,8 +1,8 @@
 """Families, contestants and scenarios by name, all found through entry points, ours like anybody's.
 
-An entry point is named after its family, and names an explicit table: one `Family` in the group `tetrabench.families`,
-an iterable of contestants in `tetrabench.contestants`, of scenarios in `tetrabench.scenarios`. Only the tables of the
-family that is asked for are imported.
+An entry point is named after its family, and names an explicit table: one `Family` in the group
+`tetrabench.families`, an iterable of contestants in `tetrabench.contestants`, of scenarios in
+`tetrabench.scenarios`. Only the tables of the family that is asked for are imported.
 """
 
 import difflib

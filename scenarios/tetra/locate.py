@@ -34,7 +34,7 @@ class Locate(TetraScenario):
     name = "locate"
     title = "find the tetra of one point in every tetra: search tree, then a walk"
     method: ClassVar[str] = "walk"
-    options = thesis = {"one_in": 1}
+    options = thesis = {"every_nth_tetra": 1}
 
     def prepare(self, stage: Any, options: Options) -> Search:
         """The points, in iteration order."""
@@ -44,7 +44,7 @@ class Locate(TetraScenario):
 
     def choose(self, refs: NDArray[np.int64], options: Options) -> NDArray[np.int64]:
         """The tetras to look for."""
-        return refs[:: options["one_in"]].copy()
+        return refs[:: options["every_nth_tetra"]].copy()
 
     def run(self, search: Search) -> NDArray[np.int64]:
         """Find them all."""

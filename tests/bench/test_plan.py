@@ -28,7 +28,7 @@ def test_an_even_number_of_names_follow_each_other_equally_often(count):
     assert len(pairs) == count * (count - 1)
 
 
-def scripted_plan(rounds=14, seed=0):
+def scripted_plan(rounds=14, seed=0, chained=False):
     return Plan(
         family="scripted",
         model="tiny",
@@ -38,6 +38,7 @@ def scripted_plan(rounds=14, seed=0):
         reference="v0",
         effort=Effort(rounds, 3),
         seed=seed,
+        chained=chained,
     )
 
 

@@ -66,14 +66,14 @@ class Diary:
         self.steps.append(step)
 
 
-def play(tell, rounds=5, diary=None):
+def play(tell, rounds=5, diary=None, chained=False):
     workers = []
 
     def spawn():
         workers.append(Script(tell))
         return workers[-1]
 
-    return run_benchmark(scripted_plan(rounds), spawn=spawn, progress=diary), workers
+    return run_benchmark(scripted_plan(rounds, chained=chained), spawn=spawn, progress=diary), workers
 
 
 def test_every_contestant_has_its_turn_in_every_round():
@@ -110,6 +110,21 @@ def test_a_dead_worker_is_spawned_anew_for_the_next_scenario():
     assert [one.status for one in mine] == ["ok", "crash"] + ["ok"] * 5
     assert len(workers) == 8
     assert exit_code(results) == 3
+
+
+def test_a_net_that_all_scenarios_share_is_lost_with_its_worker():
+    def tell(name, scenario, visit):
+        if (name, scenario) == ("v3", "first"):
+            raise WorkerDied("signal 11")
+        return 1.0
+
+    results, workers = play(tell, rounds=1, chained=True)
+    mine = [one for one in results.samples if one.backend == "v3"]
+    assert [(one.status, one.reason) for one in mine] == [
+        ("crash", "signal 11"),
+        ("skipped", "worker crashed in first"),
+    ]
+    assert len(workers) == 7
 
 
 def test_a_worker_that_cannot_load_the_model_has_no_cells():

@@ -82,6 +82,18 @@ def test_nothing_is_ranked_under_25_percent(factor, verdict):
     assert row("v3y", samples("v3y", REFERENCE), other).verdict == "reference"
 
 
+def test_rounds_that_contradict_each_other_rank_nothing():
+    other = samples("v4", [0.09, 0.4, 0.8])
+    assert row("v4", samples("v3y", REFERENCE), other).verdict == "inconclusive"
+
+
+@pytest.mark.parametrize(
+    ("factor", "verdict"), [(1.1, "about the same"), (2.0, "inconclusive"), (10, "slower")]
+)
+def test_a_single_round_ranks_only_what_is_clear(factor, verdict):
+    assert row("v4", samples("v3y", REFERENCE), samples("v4", [factor * 0.1])).verdict == verdict
+
+
 @pytest.mark.parametrize(
     ("reference", "other", "verdict"),
     [

@@ -8,16 +8,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.meshes import single
 from tetrabench.errors import InputError
 from tetrabench.io import read_mesh, write_mesh
 from tetrabench.io.nastran import parse_integer, parse_real, read_nastran, write_nastran
 from tetrabench.mesh import TetraMesh
 from tetrabench.mesh.models import generate
-from tests.meshes import single
 
 CORNERS = {1: (0.0, 0.0, 0.0), 2: (1.0, 0.0, 0.0), 3: (0.0, 1.0, 0.0), 4: (0.0, 0.0, 1.0)}
 FREE_POINTS = "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\n"
 FREE_TETRA = "CTETRA,1,1,1,2,3,4\n"
+SMALL_TETRA = "CTETRA  " + "".join(f"{number:8}" for number in (1, 1, 1, 2, 3, 4))
+LARGE_TETRA = "CTETRA *" + "".join(f"{number:16}" for number in (1, 1, 1, 2)) + "\n*" + f"{3:23}{4:16}\n"
 
 
 def read_text(folder: Path, text: str | bytes, **options: str) -> TetraMesh:
@@ -39,7 +41,7 @@ def write_read(mesh: TetraMesh, folder: Path, field: str) -> TetraMesh:
     return back
 
 
-# ---------------------------------------------------------------------------------------------- the naive twin
+# ------------------------------ the naive twin
 
 
 def naive_number(field: str) -> float:
@@ -51,7 +53,7 @@ def naive_number(field: str) -> float:
 
 
 def naive_read(text: str) -> tuple[dict[int, tuple[float, ...]], dict[int, tuple[int, ...]], dict[str, int]]:
-    """Well-formed bulk data in plain Python: points and tetras by id in the file's order, other cards by count."""
+    """Well-formed bulk data in plain Python: points and tetras by id, other cards by count."""
     cards: list[list[str]] = []
     for raw in text.splitlines():
         line = raw.split("$")[0].rstrip()
@@ -72,8 +74,8 @@ def naive_read(text: str) -> tuple[dict[int, tuple[float, ...]], dict[int, tuple
             cards.append([name.strip().rstrip("*").strip().upper(), *fields])
     points, tets, skipped = {}, {}, {}
     for name, *fields in cards:
-        if name == "BEGIN":
-            skipped = {}
+        if name.startswith("BEGIN"):
+            skipped = {}  # so far it was executive and case control
         elif name == "GRID":
             points[int(fields[0])] = tuple(naive_number(field) for field in fields[2:5])
         elif name == "CTETRA":
@@ -94,7 +96,7 @@ def assert_same_as_naive(mesh: TetraMesh, text: str) -> None:
     assert mesh.point_ids[mesh.tets].tolist() == [list(nodes) for nodes in tets.values()]
 
 
-# ------------------------------------------------------------------------------------------------- decks at random
+# ------------------------------ decks at random
 
 
 @st.composite
@@ -135,7 +137,7 @@ def card_text(draw: st.DrawFn, name: str, fields: list[str], mark: str) -> str:
 
 @st.composite
 def decks(draw: st.DrawFn) -> str:
-    """A well-formed deck: mixed forms and spellings, cards in any order, comments, other cards, ends of lines."""
+    """A well-formed deck: forms, spellings, order, comments, other cards and ends of lines at random."""
     count = draw(st.integers(4, 9))
     ids = draw(st.lists(st.integers(1, 99_999_999), min_size=count, max_size=count, unique=True))
     cards = []
@@ -185,7 +187,7 @@ def test_free_field_keeps_every_bit(tmp_path_factory: pytest.TempPathFactory, nu
     assert back.points.tobytes() == mesh.points.tobytes()
 
 
-# ----------------------------------------------------------------------------------------------- single decks
+# ------------------------------ single decks
 
 DIALECTS = {
     "free": FREE_POINTS + FREE_TETRA,
@@ -201,15 +203,14 @@ DIALECTS = {
     "comment on a line": FREE_POINTS + "CTETRA,1,1,1,2,3,4 $, the first\n",
     "property left out": FREE_POINTS + "CTETRA,1,,1,2,3,4\n",
     "same GRID twice": FREE_POINTS + "GRID,2,,1.0,0.,0.\n" + FREE_TETRA,
-    "other cards": FREE_POINTS + "CQUAD4,1,1,1,2,3,4\n=,*1,=(5)\n+,\tx\nGRDSET,,0\nGRDSET,,,,,,,123\n" + FREE_TETRA,
+    "other cards": FREE_POINTS + "CQUAD4,1,1,1,2,3,4\n=,*1,=(5)\n+,\tx\n" + FREE_TETRA,
+    "default coordinate system": "GRDSET,,0\nGRDSET,,,,,,,123\n" + FREE_POINTS + FREE_TETRA,
     "executive and case control": "INIT\nSOL 101\nCEND\n LOAD = 1\nBEGIN BULK\n" + FREE_POINTS + FREE_TETRA,
     "free continuation": FREE_POINTS + "CTETRA,1,1,1,2,3,4,,,+a\n+a,,\n",
-    "blank continuation": FREE_POINTS + "CTETRA         1       1       1       2       3       4\n        \n",
-    "sequence numbers": FREE_POINTS + "CTETRA         1       1       1       2       3       4".ljust(72) + "00000005\n",
-    "star in column 8": FREE_POINTS + "CTETRA *               1               1               1               2\n"
-    "*                      3               4\n",
-    "blank coordinates are zero": "GRID    1\nGRID    2               1.0\nGRID,3,,,1\nGRID    4                               1.\n"
-    + FREE_TETRA,
+    "blank continuation": FREE_POINTS + SMALL_TETRA + "\n        \n",
+    "sequence numbers": FREE_POINTS + SMALL_TETRA.ljust(72) + "00000005\n",
+    "star in column 8": FREE_POINTS + LARGE_TETRA,
+    "blank coordinates are zero": "GRID    1\nGRID    2" + " " * 15 + "1.0\nGRID,3,,,1\nGRID,4,,,,1.0\n" + FREE_TETRA,
 }  # fmt: skip
 
 
@@ -231,7 +232,7 @@ REFUSED = {
     "INCLUDE": ("$\ninclude 'other.nas'\n", 2, "INCLUDE"),
     "tab": ("GRID\t5\t\t0.\t0.\t0.\n", 1, "tab"),
     "unknown node": ("CTETRA,2,1,1,2,3,77\n", 1, "CTETRA 2 uses GRID 77, which does not exist"),
-    "unknown node far off": ("\nCTETRA,2,1,1,2,3,123456789012\n", 2, "GRID 123456789012, which does not exist"),
+    "unknown node far off": ("\nCTETRA,2,1,1,2,3,123456789012\n", 2, "GRID 123456789012, which does"),
     "repeated node": ("CTETRA,2,1,1,2,3,3\n", 1, "CTETRA 2 repeats a vertex"),
     "same four nodes": ("CTETRA,2,1,4,3,2,1\n", 6, "has the same four vertices"),
     "GRID twice": ("GRID,5,,0.,0.,0.\n$\nGRID,5,,0.,0.,1.\n", 3, "GRID 5 twice, at different places"),
@@ -241,7 +242,7 @@ REFUSED = {
     "id blank": ("GRID,,,0.,0.,0.\n", 1, "'' is not a whole number above 0"),
     "id negative": ("CTETRA,2,1,1,2,3,-4\n", 1, "'-4' is not a whole number above 0"),
     "id real": ("CTETRA,2,1,1,2,3,4.\n", 1, "'4.' is not a whole number above 0"),
-    "id of blanks within": ("CTETRA         2       1       1       2       3     1 4\n", 1, "'1 4' is not a whole"),
+    "id of blanks within": (SMALL_TETRA[:-3] + "1 4\n", 1, "'1 4' is not a whole number"),
     "number": ("GRID,5,,0.,1.0.0,0.\n", 1, "'1.0.0' is not a number"),
     "number in large field": ("GRID*,5,,0.,0.\n*,abc\n", 2, "'abc' is not a number"),
     "number with a blank": ("GRID,5,,1. 5,0.,0.\n", 1, "'1. 5' is not a number"),
@@ -250,10 +251,10 @@ REFUSED = {
     "NaN": ("GRID,5,,0.,0.,NaN\n", 1, "'NaN' is not a number"),
     "infinity": ("GRID,5,,0.,0.,-inf\n", 1, "'-inf' is not a number"),
     "beyond float64": ("\n\nGRID,5,,0.,0.,1.+999\n", 3, "1.+999 is beyond the largest number"),
-    "no continuation": ("GRID*                  5                              0.              0.\n", 1, "continuation"),
+    "no continuation": ("GRID*" + " " * 18 + "5\n", 1, "continuation"),
     "named continuation missing": ("CTETRA,2,1,1,2,3,4,,,+C1\nPSOLID,1\n", 1, "continuation"),
     "another's continuation": ("CTETRA,2,1,1,2,3,4,,,+C1\n+C2,7\n", 2, "continues another card"),
-    "small continuation of a large field": ("GRID*                  5\n              1.\n", 2, "must begin with *"),
+    "small continuation of a large field": ("GRID*" + " " * 18 + "5\n" + " " * 14 + "1.\n", 2, "begin with *"),
     "three nodes": ("CTETRA,2,1,1,2,3\n", 1, "four corner nodes"),
     "too many fields": ("CTETRA,2,1,1,2,3,4,,,,11\n", 1, "more fields"),
     "too many lines": ("CTETRA,2,1,1,2,3,4\n" + "+,\n" * 9, 6, "more fields"),
@@ -313,8 +314,8 @@ def test_ids_far_apart(tmp_path: Path) -> None:
 
 def test_fields_of_full_width_touch(tmp_path: Path) -> None:
     deck = [
-        "GRID    10000001        -1.234567.12345671.234-12",
-        "GRID    10000002        2.000000012345678-.987654",
+        "GRID    10000001        -1.234567.1234561.234-12",
+        "GRID    10000002        2.00000012345.67-.987654",
         "GRID*   1000000000000003                -1.2345678901234.123456789012345",
         "*       -1.23456789-0012",
         "GRID    10000004        1.+1    2.-1    0.0     ",
@@ -324,7 +325,7 @@ def test_fields_of_full_width_touch(tmp_path: Path) -> None:
     text = "\n".join(deck) + "\n"
     mesh = read_text(tmp_path, text, unused="keep")
     assert_same_as_naive(mesh, text)
-    assert mesh.points[0].tolist() == [-1.234567, 0.1234567, 1.234e-12]
+    assert mesh.points[0].tolist() == [-1.23456, 7.123456, 1.234e-12]
 
 
 def test_parse_integer_takes_digits_alone() -> None:
@@ -332,7 +333,7 @@ def test_parse_integer_takes_digits_alone() -> None:
         assert parse_integer(np.frombuffer(f"x{text}x".encode(), np.uint8).copy(), 1, 1 + len(text)) == number
 
 
-# -------------------------------------------------------------------------------------------------- cut files
+# ------------------------------ cut files
 
 
 @pytest.mark.parametrize("field", ["small", "large", "free"])
@@ -361,7 +362,7 @@ def test_card_cut_at_the_end_is_refused(tmp_path: Path, text: str) -> None:
         read_text(tmp_path, FREE_POINTS + FREE_TETRA + text)
 
 
-# ------------------------------------------------------------------------------------------------------ writer
+# ------------------------------ writer
 
 
 @pytest.mark.parametrize("field", ["small", "large", "free"])
@@ -370,9 +371,8 @@ def test_round_trip_of_a_model(tmp_path: Path, field: str) -> None:
     once = write_read(mesh, tmp_path, field)
     twice = write_read(once, tmp_path, field)
     assert twice.points.tobytes() == once.points.tobytes()
-    np.testing.assert_allclose(
-        once.points, mesh.points, rtol=0, atol={"small": 5.01e-8, "large": 1e-15, "free": 0}[field]
-    )
+    most = {"small": 5.001e-7, "large": 5.01e-15, "free": 0}[field]  # -.012345 and -.01234567890123
+    np.testing.assert_allclose(once.points, mesh.points, rtol=0, atol=most)
 
 
 def best_text(value: float, width: int) -> float:
@@ -386,7 +386,10 @@ def best_text(value: float, width: int) -> float:
     return min((naive_number(text) for text in fitting), key=lambda number: abs(number - value))
 
 
-@given(st.lists(st.floats(-1e12, 1e12) | st.floats(-2, 2) | st.floats(allow_nan=False, allow_infinity=False, width=32), min_size=12, max_size=12))  # fmt: skip
+FINITE = st.floats(allow_nan=False, allow_infinity=False)
+
+
+@given(st.lists(st.floats(-1e12, 1e12) | st.floats(-2, 2) | FINITE, min_size=12, max_size=12))
 def test_fixed_fields_carry_the_most_digits(
     tmp_path_factory: pytest.TempPathFactory, numbers: list[float]
 ) -> None:
@@ -395,7 +398,7 @@ def test_fixed_fields_carry_the_most_digits(
     for field, width in (("small", 8), ("large", 16)):
         back = write_read(mesh, tmp_path_factory.mktemp(field), field).points.ravel()
         best = np.array([best_text(number, width) for number in numbers])
-        # Scaling by a power of ten rounds once: the last digit may be off where the next one is a 5, or nearly.
+        # Scaling by a power of ten rounds once: the last digit may be off where nearly a 5 follows.
         assert (abs(back - numbers) <= 1.2 * abs(best - numbers) + 2e-16 * abs(best)).all()
 
 
@@ -430,7 +433,7 @@ def test_comments_stand_at_the_top(tmp_path: Path) -> None:
     assert [file.name for file in tmp_path.iterdir()] == ["x.nas"]
 
 
-# ---------------------------------------------------------------------------------------------------- suffixes
+# ------------------------------ suffixes
 
 
 @pytest.mark.parametrize("suffix", [".nas", ".bdf", ".dat", ".fem", ".NAS"])
@@ -449,6 +452,6 @@ def test_unknown_suffix_and_missing_file(tmp_path: Path) -> None:
     with pytest.raises(
         InputError, match=r"no such file; make it with: tetrabench generate nozzle -o nozzle\.nas$"
     ):
-        read_mesh("nozzle.nas")
-    with pytest.raises(InputError, match="no such file$"):
+        read_mesh(tmp_path / "nozzle.nas")
+    with pytest.raises(InputError, match=r"no such file$"):
         read_mesh(tmp_path / "other.nas")

@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.meshes import single
 from tetrabench.errors import InputError
 from tetrabench.mesh import TetraMesh
 from tetrabench.mesh.check import check_mesh, find_fault
-from tests.meshes import single
 
 
 def test_sound_meshes_pass(small_mesh: TetraMesh) -> None:

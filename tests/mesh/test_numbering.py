@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from tests.meshes import mesh_of
 from tetrabench.errors import InputError
 from tetrabench.mesh import TetraMesh
 from tetrabench.mesh.numbering import renumber
-from tests.meshes import mesh_of
 
 
 def corners(mesh: TetraMesh) -> list[list[list[float]]]:

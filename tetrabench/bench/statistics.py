@@ -11,6 +11,9 @@ from tetrabench.bench.record import Results, Sample
 
 ALIKE = 1.25
 """Ratios up to this, either way, are no difference."""
+FEW = 3
+CLEAR = 3.0
+"""In fewer than FEW rounds only ratios from CLEAR on are a difference: one sample may be off twofold."""
 SHORTEST_S = 0.005
 """CPU time below which a sample says nothing: it counts as at most this much."""
 
@@ -27,8 +30,9 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
         ratio_low, ratio_high: the range of those ratios.
         ns_per_item: median CPU time for one item of the work, nanoseconds.
         structure_bytes, peak_bytes: medians.
-        verdict: "reference", "faster", "slower", "about the same", "too short to rank", "no reference" (which
-            did not end well itself), "wrong", "crashed", "failed", "skipped". Only faster and slower rank.
+        verdict: "reference", "faster", "slower", "about the same", "inconclusive" (rounds that are few, or
+            contradict each other), "too short to rank", "no reference" (which did not end well itself),
+            "wrong", "crashed", "failed", "skipped". Only faster and slower rank.
     """
 
     scenario: str
@@ -110,16 +114,19 @@ def _paired_ratios(cell: list[Sample], reference: list[Sample], shortest_s: floa
 def _verdict(cell: list[Sample], reference: list[Sample], is_reference: bool) -> str:
     if is_reference:
         return "reference"
-    ratio = _median(_paired_ratios(cell, reference))
-    at_least = _median(
-        _paired_ratios(cell, reference, SHORTEST_S)
-    )  # so much is certain, however short they are
+    ratios = _paired_ratios(cell, reference)
+    ratio = _median(ratios)
+    # so much is certain, however short the samples are
+    at_least = _median(_paired_ratios(cell, reference, SHORTEST_S))
     if ratio is None or at_least is None:
         return "no reference"
     if 1 / ALIKE < at_least < ALIKE and not all(_is_long(samples) for samples in (cell, reference)):
         return "too short to rank"
     if 1 / ALIKE < ratio < ALIKE:
         return "about the same"
+    is_clear = len(ratios) >= FEW or not 1 / CLEAR < ratio < CLEAR
+    if min(ratios) <= 1 <= max(ratios) or not is_clear:
+        return "inconclusive"
     return "slower" if ratio > 1 else "faster"
 
 

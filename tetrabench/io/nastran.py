@@ -35,7 +35,7 @@ Bytes = NDArray[np.uint8]
 Integers = NDArray[np.int64]
 Reals = NDArray[np.float64]
 
-TAB, NEWLINE, BLANK, DOLLAR, STAR, PLUS, COMMA, MINUS, DOT, ZERO = b"\t\n $*+,-.0"
+TAB, NEWLINE, BLANK, DOLLAR, STAR, PLUS, COMMA, MINUS, DOT, ZERO, NINE = b"\t\n $*+,-.09"
 EQUALS, SMALL_D, SMALL_E = b"=de"
 
 # What a line is: nothing, a continuation, or a card, whose kind is its name (8 capitals at most) as the bytes
@@ -261,63 +261,66 @@ def first_repeated(ids: Integers) -> int | None:
     return int(again.min()) if again.size else None
 
 
+# Kernels that are called for each line have one way out: numba then needs no reference counts of their arrays, which cost
+# more than the work.
+
+
 @kernel
 def scan(text: Bytes, deck: Deck) -> tuple[int, bool]:
     """Go through the cards of a file and fill the deck.
-
-    The arrays go to the functions below one by one: a whole deck as an argument costs more than the card.
 
     Returns:
         The reason why a card is refused (0 where none is), its place in `deck.wrong`; whether the file came
         to its ENDDATA.
     """
-    fields, wrong, counts = deck.fields, deck.wrong, deck.counts
-    points, tets, skipped, hard = 0, 0, 0, 0
-    position, last, reason, ended = 0, NOTHING, 0, False
+    point_ids, point_places, coordinates = deck.point_ids, deck.point_places, deck.points
+    tet_ids, tet_places, corners = deck.tet_ids, deck.tet_places, deck.tets
+    skipped_names, hard_numbers, fields, wrong = deck.skipped, deck.hard, deck.fields, deck.wrong
+    position = points = tets = skipped = hard = np.int64(0)  # a plain 0 would make numba compile twice
+    last, reason, ended = NOTHING, 0, False
     while position < text.size and reason == 0 and not ended:
-        wrong[0] = wrong[1] = position
-        kind = line_kind(text, position)
+        wrong[0] = wrong[1] = place = position
+        kind = line_kind(text, place)
         if kind == CTETRA:
-            deck.tet_places[tets] = position
-            following = take_plain_tetra(text, position, deck.tet_ids, deck.tets, tets)
-            if following > 0:
-                position = following
-            else:
-                reason, count, position = split_card(text, position, fields, wrong)
+            position = take_plain_tetra(text, place, tet_ids, corners, tets)
+            if position == place:
+                reason, count, position = split_card(text, place, fields, wrong)
                 if reason == 0:
-                    reason = take_tetra(text, fields, count, deck.tet_ids, deck.tets, tets, wrong)
+                    reason = take_tetra(text, fields, count, tet_ids, corners, tets, wrong)
+            tet_places[tets] = place
             tets += 1
         elif kind == GRID:
-            deck.point_places[points] = position
-            reason, count, position = split_card(text, position, fields, wrong)
+            reason, count, position = split_card(text, place, fields, wrong)
             cut = position >= text.size and text[text.size - 1] != NEWLINE
             if reason == 0:
-                reason = take_point(text, fields, count, cut, deck.point_ids, deck.points, points, wrong)
+                reason = take_point(text, fields, count, cut, point_ids, coordinates, points, wrong)
             for k in range(3):
-                if reason == 0 and np.isnan(deck.points[points, k]):
-                    deck.hard[hard, 0], deck.hard[hard, 1] = 3 * points + k, fields[2 + k, 0]
-                    deck.hard[hard, 2] = fields[2 + k, 1]
+                if reason == 0 and np.isnan(coordinates[points, k]):
+                    hard_numbers[hard, 0] = 3 * points + k
+                    hard_numbers[hard, 1], hard_numbers[hard, 2] = fields[2 + k, 0], fields[2 + k, 1]
                     hard += 1
+            point_places[points] = place
             points += 1
-        elif kind == GRDSET:
-            reason, count, position = split_card(text, position, fields, wrong)
-            if reason == 0:
-                reason = refuse_system(text, fields, wrong)
-        elif kind == ENDDATA or (kind == END and line_kind(text, position + 3) == BULK):
+        elif kind == GRDSET:  # the defaults of all GRIDs
+            reason, count, position = split_card(text, place, fields, wrong)
+            if reason == 0 and not is_basic(text, fields):
+                reason = at_field(fields, 1, wrong, SYSTEM)
+        elif kind == ENDDATA or (kind == END and line_kind(text, place + 3) == BULK):
             ended = True
         elif kind == INCLUDE:
             reason = INCLUDED
-        elif last in (GRID, CTETRA) and text[position] == EQUALS:
+        elif last in (GRID, CTETRA) and text[place] == EQUALS:
             reason = REPLICATED
         else:
             if kind == BEGIN:
                 skipped = 0  # so far it was executive and case control
             elif kind != NOTHING and kind != CONTINUATION:
-                deck.skipped[skipped] = kind
+                skipped_names[skipped] = kind
                 skipped += 1
-            position = line_end(text, position) + 1
+            position = line_end(text, place) + 1
         if kind != NOTHING and kind != CONTINUATION:
             last = kind
+    counts = deck.counts
     counts[POINTS], counts[TETS], counts[SKIPPED], counts[HARD] = points, tets, skipped, hard
     return reason, ended
 
@@ -345,26 +348,25 @@ def take_point(
         row: where to put it.
         wrong: out, see `Deck`.
     """
-    reason: int = refuse_system(text, fields, wrong)
-    if reason != 0:
-        return reason
-    if count < 5:
-        return DANGLING
+    reason = 0
     ids[row] = parse_integer(text, fields[0, 0], fields[0, 1])
     if ids[row] <= 0:
-        point_at(fields, 0, wrong)
-        return INTEGER
+        reason = at_field(fields, 0, wrong, INTEGER)
+    elif not is_basic(text, fields):
+        reason = at_field(fields, 1, wrong, SYSTEM)
+    elif count < 5:
+        reason = DANGLING
     for k in range(3):
         begin, end = fields[2 + k, 0], fields[2 + k, 1]
-        status, points[row, k] = EXACT, 0.0  # a blank coordinate is 0
-        if begin < end:
-            status, points[row, k] = parse_real(text, begin, end)
-        elif cut:
-            return CUT
+        status, value = EXACT, 0.0  # a blank coordinate is 0
+        if reason == 0 and begin < end:
+            status, value = parse_real(text, begin, end)
+        elif reason == 0 and cut:
+            reason = CUT
         if status == MALFORMED:
-            point_at(fields, 2 + k, wrong)
-            return REAL
-    return 0
+            reason = at_field(fields, 2 + k, wrong, REAL)
+        points[row, k] = value
+    return reason
 
 
 @kernel
@@ -375,25 +377,21 @@ def take_tetra(
 
     Its fields are id, property, corner nodes and midside nodes. Arguments as for `take_point`.
     """
-    if count < 6:
-        return DANGLING
+    reason = 0 if count >= 6 else DANGLING
     ids[row] = parse_integer(text, fields[0, 0], fields[0, 1])
     if ids[row] <= 0:
-        point_at(fields, 0, wrong)
-        return INTEGER
-    for k in range(4):
-        begin, end = fields[2 + k, 0], fields[2 + k, 1]
-        if begin == end:
-            return INCOMPLETE
-        tets[row, k] = parse_integer(text, begin, end)
-        if tets[row, k] <= 0:
-            point_at(fields, 2 + k, wrong)
-            return INTEGER
-    for k in range(6, count):
-        if fields[k, 0] < fields[k, 1]:
-            point_at(fields, k, wrong)
-            return MIDSIDE
-    return 0
+        reason = at_field(fields, 0, wrong, INTEGER)
+    for k in range(2, count):
+        blank = fields[k, 0] == fields[k, 1]
+        if reason == 0 and k < 6:
+            tets[row, k - 2] = parse_integer(text, fields[k, 0], fields[k, 1])
+            if blank:
+                reason = INCOMPLETE
+            elif tets[row, k - 2] <= 0:
+                reason = at_field(fields, k, wrong, INTEGER)
+        elif reason == 0 and not blank:
+            reason = at_field(fields, k, wrong, MIDSIDE)
+    return reason
 
 
 @kernel
@@ -401,46 +399,40 @@ def take_plain_tetra(text: Bytes, place: int, ids: Integers, tets: Integers, row
     """Put the commonest CTETRA, a line of six small fields of digits, into a row, in one pass over its bytes.
 
     Returns:
-        The place of the next line, if that begins with a letter; -1 where anything is otherwise, for
+        The place of the next line, which begins another card; where anything is otherwise, `place` again, for
         `split_card` to look into.
     """
-    if text.size < place + 58 or text[place + 6] != BLANK or text[place + 7] != BLANK:
-        return -1
-    for k in range(6):
-        number, closed = 0, False
-        for i in range(place + 8 + 8 * k, place + 16 + 8 * k):
-            digit = int(text[i]) - ZERO
-            if 0 <= digit <= 9 and number + digit > 0 and not closed:
-                number = 10 * number + digit
-            elif text[i] == BLANK:
-                closed = number > 0
-            else:
-                return -1
-        if number == 0:
-            return -1
+    following = place + 57
+    plain = text.size > following and text[place + 6] == BLANK and text[place + 7] == BLANK
+    plain = plain and text[following - 1] == NEWLINE and text[following] > COMMA
+    for k in range(6 if plain else 0):
+        number, i, end = 0, place + 8 + 8 * k, place + 16 + 8 * k
+        while i < end and text[i] == BLANK:
+            i += 1
+        while i < end and ZERO <= text[i] <= NINE:
+            number = 10 * number + int(text[i]) - ZERO
+            i += 1
+        while i < end and text[i] == BLANK:
+            i += 1
+        plain = plain and i == end and number > 0
         if k == 0:
             ids[row] = number
         elif k >= 2:
             tets[row, k - 2] = number
-    following = place + 57
-    if text[following - 1] == NEWLINE and text[following] > COMMA:
-        return following
-    return -1
+    return following if plain else place
 
 
 @kernel
-def refuse_system(text: Bytes, fields: Integers, wrong: Integers) -> int:
-    """Return the reason against a GRID, or a GRDSET (default of GRIDs), not in basic coordinates, or 0."""
-    if fields[1, 0] < fields[1, 1] and parse_integer(text, fields[1, 0], fields[1, 1]) != 0:
-        point_at(fields, 1, wrong)
-        return SYSTEM
-    return 0
+def is_basic(text: Bytes, fields: Integers) -> bool:
+    """Tell whether field 2 of a GRID or a GRDSET names the basic coordinate system: blank or 0."""
+    return bool(fields[1, 0] == fields[1, 1] or parse_integer(text, fields[1, 0], fields[1, 1]) == 0)
 
 
 @kernel
-def point_at(fields: Integers, field: int, wrong: Integers) -> None:
-    """Set the wrong span to a field."""
+def at_field(fields: Integers, field: int, wrong: Integers, reason: int) -> int:
+    """Set the wrong span to a field, and return the reason."""
     wrong[0], wrong[1] = fields[field, 0], fields[field, 1]
+    return reason
 
 
 @kernel
@@ -454,25 +446,25 @@ def split_card(text: Bytes, place: int, fields: Integers, wrong: Integers) -> tu
     Returns:
         The reason against the card, or 0; the number of its fields; the place of the line after it.
     """
-    count, position = 0, place
+    count, position, reason, kind = 0, place, 0, CONTINUATION
     begin, stop = place, place  # the name of the continuation
-    starred = False
-    while True:
-        awaited = False
+    awaited, starred = False, False
+    while kind == CONTINUATION and reason == 0:
         wrong[0] = wrong[1] = position
         end, free, tabbed, large = line_form(text, position)
+        number, width = (4, 16) if large else (8, 8)
         cursor = field_end(text, position, end) if free else min(position + 8, end)
         if position > place:
             first, last = bare_name(text, position, min(position + 8, cursor))
             if first < last and not same_bytes(text, first, last, begin, stop):
-                return FOREIGN, count, position
-            if starred and not large and not free:
-                return UNSTARRED, count, position
-        number, width = (4, 16) if large else (8, 8)
+                reason = FOREIGN
+            elif starred and not large and not free:
+                reason = UNSTARRED
         if tabbed and not free:
-            return TABBED, count, position
-        if count + number > MOST_FIELDS:
-            return CROWDED, count, position
+            reason = TABBED
+        elif count + number > MOST_FIELDS:
+            reason = CROWDED
+            number = 0
         for k in range(count, count + number):
             begin = min(cursor + 1, end) if free else cursor
             cursor = field_end(text, begin, end) if free else min(cursor + width, end)
@@ -483,24 +475,27 @@ def split_card(text: Bytes, place: int, fields: Integers, wrong: Integers) -> tu
                 stop -= 1
             fields[k, 0], fields[k, 1] = begin, stop
         count += number
-        begin = stop = cursor
-        if cursor < end:
-            begin = cursor + 1 if free else cursor
-            cursor = field_end(text, begin, end) if free else min(cursor + 8, end)
-            awaited = begin < cursor and (text[begin] == PLUS or text[begin] == STAR)
-            begin, stop = bare_name(text, begin, cursor)
-            for i in range(cursor, end):
-                if free and text[i] != COMMA and text[i] > BLANK:
-                    return CROWDED, count, position
+
+        begin = min(cursor + 1, end) if free else cursor
+        cursor = stop = field_end(text, begin, end) if free else min(cursor + 8, end)
+        awaited = begin < stop and (text[begin] == PLUS or text[begin] == STAR)
+        if begin < stop:
+            begin, stop = bare_name(text, begin, stop)
+        while free and cursor < end:
+            if text[cursor] != COMMA and text[cursor] > BLANK:
+                reason = CROWDED
+            cursor += 1
 
         position, starred = line_end(text, end) + 1, large
         kind = line_kind(text, position)
         while kind == NOTHING and position < text.size:
             position = line_end(text, position) + 1
             kind = line_kind(text, position)
-        if kind != CONTINUATION:
-            wrong[0] = wrong[1] = place
-            return DANGLING if awaited else 0, count, position
+    if reason == 0:
+        wrong[0] = wrong[1] = place
+        if awaited:
+            reason = DANGLING
+    return reason, count, position
 
 
 @kernel
@@ -510,17 +505,15 @@ def line_kind(text: Bytes, place: int) -> int:
     while i < text.size and text[i] <= BLANK and text[i] != NEWLINE:
         column += 8 if text[i] == TAB else 1
         i += 1
-    if i >= text.size or text[i] == NEWLINE or text[i] == DOLLAR:
-        return NOTHING
-    if column >= 8 or text[i] == PLUS or text[i] == STAR or text[i] == COMMA:
-        return CONTINUATION
-    name = 0
-    for k in range(i, min(i + 8, text.size)):
-        letter = min(int(text[k]), 127)  # the names of cards are ASCII; others shall not overflow
-        if letter <= BLANK or letter in (COMMA, STAR):
-            break
-        name = name << 8 | (letter - 32 if 97 <= letter <= 122 else letter)
-    return name
+    blank = i >= text.size or text[i] == NEWLINE or text[i] == DOLLAR
+    continued = not blank and (column >= 8 or text[i] == PLUS or text[i] == STAR or text[i] == COMMA)
+    kind = CONTINUATION if continued else NOTHING
+    end = i if blank or continued else min(i + 8, text.size)
+    while i < end and text[i] > BLANK and text[i] != COMMA and text[i] != STAR:
+        letter = min(int(text[i]), 127)  # the names of cards are ASCII; others shall not overflow
+        kind = kind << 8 | (letter - 32 if 97 <= letter <= 122 else letter)
+        i += 1
+    return kind
 
 
 @kernel
@@ -536,14 +529,11 @@ def line_form(text: Bytes, place: int) -> tuple[int, bool, bool, bool]:
     """Return the end of a line without its comment, and whether it is free, holds a tab, has large fields."""
     free, tabbed, large = False, False, False
     i = place
-    while i < text.size:
-        letter = text[i]
-        if letter <= COMMA and letter != BLANK:  # digits, capitals, `-` and `.` come after the comma
-            if letter in (NEWLINE, DOLLAR):
-                break
-            free |= letter == COMMA
-            tabbed |= letter == TAB
-            large |= letter == STAR and i < place + 8 and not free
+    while i < text.size and text[i] != NEWLINE and text[i] != DOLLAR:
+        if text[i] <= COMMA and text[i] != BLANK:  # digits, capitals, `-` and `.` come after the comma
+            free |= text[i] == COMMA
+            tabbed |= text[i] == TAB
+            large |= text[i] == STAR and i < place + 8 and not free
         i += 1
     return i, free, tabbed, large
 
@@ -580,14 +570,12 @@ def same_bytes(text: Bytes, begin: int, end: int, other: int, other_end: int) ->
 @kernel
 def parse_integer(text: Bytes, begin: int, end: int) -> int:
     """Return the whole number in a field of digits, up to 18 of them; -1 for anything else."""
-    if begin >= end or end - begin > 18:
-        return -1
-    number = 0
-    for i in range(begin, end):
+    number = 0 if 0 < end - begin <= 18 else -1
+    i = begin
+    while i < end and number >= 0:
         digit = int(text[i]) - ZERO
-        if digit < 0 or digit > 9:
-            return -1
-        number = 10 * number + digit
+        number = 10 * number + digit if 0 <= digit <= 9 else -1
+        i += 1
     return number
 
 
@@ -606,44 +594,38 @@ def parse_real(text: Bytes, begin: int, end: int) -> tuple[int, float]:
     if negative or text[i] == PLUS:
         i += 1
     mantissa, power, digits, after_dot = 0, 0, 0, False
-    while i < end:
-        digit = int(text[i]) - ZERO
-        if 0 <= digit <= 9:
-            digits += 1
-            if mantissa < 2**53:  # beyond that the number is left to others
-                mantissa = 10 * mantissa + digit
-            if after_dot:
-                power -= 1
-        elif text[i] == DOT and not after_dot:
+    while i < end and (ZERO <= text[i] <= NINE or (text[i] == DOT and not after_dot)):
+        if text[i] == DOT:
             after_dot = True
         else:
-            break
+            digits += 1
+            power -= after_dot
+            if mantissa < 2**53:  # beyond that the number is left to others
+                mantissa = 10 * mantissa + int(text[i]) - ZERO
         i += 1
-    if digits == 0:
-        return MALFORMED, np.nan
-    if i < end:
-        if text[i] | 32 == SMALL_E or text[i] | 32 == SMALL_D:
-            i += 1
-        elif text[i] != PLUS and text[i] != MINUS:
-            return MALFORMED, np.nan
-        sign = 1
-        if i < end and (text[i] == PLUS or text[i] == MINUS):
-            sign = -1 if text[i] == MINUS else 1
-            i += 1
-        if i == end:
-            return MALFORMED, np.nan
-        exponent = 0
-        while i < end:
-            digit = int(text[i]) - ZERO
-            if digit < 0 or digit > 9:
-                return MALFORMED, np.nan
-            exponent = min(10 * exponent + digit, 9999)
-            i += 1
-        power += sign * exponent
-    if mantissa >= 2**53 or abs(power) > EXACT_POWERS:
-        return INEXACT, np.nan
-    value = mantissa / POWERS[-power] if power < 0 else mantissa * POWERS[power]
-    return EXACT, -value if negative else value
+
+    lettered = i < end and (text[i] | 32 == SMALL_E or text[i] | 32 == SMALL_D)
+    if lettered:
+        i += 1
+    signed = i < end and (text[i] == PLUS or text[i] == MINUS)
+    sign = -1 if signed and text[i] == MINUS else 1
+    if signed:
+        i += 1
+    exponent, exponent_begin = 0, i
+    while i < end and ZERO <= text[i] <= NINE:
+        exponent = min(10 * exponent + int(text[i]) - ZERO, 9999)
+        i += 1
+    power += sign * exponent
+
+    status, value = EXACT, np.nan
+    if digits == 0 or i < end or ((lettered or signed) and i == exponent_begin):
+        status = MALFORMED
+    elif mantissa >= 2**53 or abs(power) > EXACT_POWERS:
+        status = INEXACT
+    else:
+        value = mantissa / POWERS[-power] if power < 0 else mantissa * POWERS[power]
+        value = -value if negative else value
+    return status, value
 
 
 class Layout(NamedTuple):

@@ -45,9 +45,9 @@ def find_fault(points: NDArray[np.float64], tets: NDArray[np.integer]) -> tuple[
     finite = np.isfinite(points)
     if not finite.all():
         return "point", int(np.argmin(finite.all(axis=1))), "has a coordinate that is NaN or infinite"
-    if tets.dtype != np.int32:  # numbers that int32 cannot hold must not wrap around into range
-        tets = np.clip(tets, -1, len(points))
-    held = np.require(tets, np.int32, ["C", "W"])
+    # Numbers that int32 cannot hold must not wrap around into range.
+    small = tets if tets.dtype == np.int32 else np.clip(tets, -1, len(points))
+    held = np.require(small, np.int32, ["C", "W"])
     fault, row, other = first_fault(held, len(points))
     vertices = "{} {} {} {}".format(*tets[row]) if fault else ""
     reasons = {

@@ -17,14 +17,15 @@ from tetrabench.bench.record import Results
 from tetrabench.bench.statistics import ALIKE, Row, summary
 from tetrabench.errors import InputError
 from tetrabench.report.memory import bytes_per_item, peak_bytes
-from tetrabench.report.style import Style, make_styles
-from tetrabench.report.table import PROVISIONAL, about_machine, about_model
+from tetrabench.report.style import EDGE, Style, make_styles
+from tetrabench.report.table import PROVISIONAL, WORDS, about_machine, about_model
 from tetrabench.report.units import duration, singular, times
 
 WIDTH = 11.0  # inches
 PANEL = 6  # groups of bars side by side
+PANEL_HEIGHT = 2.7  # inches
 CUT = 4.0  # a bar more than so many times as high as the reference's dwarfs the others
-EDGE, QUIET, ALARM = "#333333", "#777777", "#a00000"
+QUIET, ALARM = "#777777", "#a00000"
 Bars = Mapping[str, float | str]  # contestant -> height, or the word that stands where no bar may
 
 
@@ -65,7 +66,7 @@ def draw_times(results: Results, rows: Sequence[Row]) -> Figure:
         axes.axhline(1.0, color=EDGE, linewidth=0.8, zorder=1)
         draw_bars(axes, [groups[name] for name in part], styles, top=top, label=times)
         axes.set_xticks(range(len(part)), [labels.get(name, name) for name in part])
-        axes.set_xlim(-0.5, max(len(part), min(PANEL, len(scenarios))) - 0.5)
+        axes.set_xlim(-0.5, max(1, min(PANEL, len(scenarios))) - 0.5)
         axes.set_ylabel(f"CPU time, multiple of {results.reference}'s")
     return figure
 
@@ -105,15 +106,12 @@ def draw_bars(
         for step, (name, height) in enumerate(bars.items()):
             x = place + (step - (len(bars) - 1) / 2) * width
             if isinstance(height, str):
-                look = {
-                    "color": QUIET if height in ("too short", "skipped") else ALARM,
-                    "backgroundcolor": "white",
-                }
-                axes.text(x, 0.03 * top, height, rotation=90, ha="center", va="bottom", fontsize=8, **look)
+                colour = QUIET if height not in ("wrong", "crashed", "failed") else ALARM
+                word = axes.text(x, 0.03 * top, height, rotation=90, fontsize=8, color=colour)
+                word.set(ha="center", va="bottom", bbox={"facecolor": "white", "linewidth": 0, "pad": 1})
                 continue
-            style, shown = styles[name], min(height, top)
-            paint = {"color": style.colour, "hatch": style.hatch, "edgecolor": EDGE, "linewidth": 0.6}
-            axes.bar(x, shown, 0.92 * width, zorder=2, **paint)
+            shown = min(height, top)
+            axes.bar(x, shown, 0.92 * width, zorder=2, **styles[name].paint)
             if height > top:
                 _draw_break(axes, x, 0.9 * top, width, 0.03 * top)
             if height > top or label_all:
@@ -136,7 +134,7 @@ def _height(row: Row) -> float | str:
     """The height of a bar, or the word that stands in its place."""
     if row.verdict in ("reference", "faster", "slower", "about the same") and row.ratio is not None:
         return row.ratio
-    return {"too short to rank": "too short"}.get(row.verdict, row.verdict)
+    return WORDS.get(row.verdict, row.verdict)
 
 
 def _draw_break(axes: Axes, x: float, y: float, width: float, height: float) -> None:
@@ -150,30 +148,33 @@ def _draw_break(axes: Axes, x: float, y: float, width: float, height: float) -> 
 
 def _make_figure(results: Results, title: str, rows: int, columns: int) -> tuple[Figure, list[Axes]]:
     """A figure with its title, its legend and its caption, and room for the panels."""
-    figure = Figure(figsize=(WIDTH, 1.9 + 2.6 * rows), layout="constrained")
-    heading, body, foot = figure.subfigures(3, 1, height_ratios=(1.0, 2.6 * rows, 0.6))
+    columns_of_legend = _legend_columns(make_styles(results))
+    above, foot = 0.45 + 0.19 * max(map(len, columns_of_legend), default=0), 0.45  # inches
+    height = PANEL_HEIGHT * rows
+    figure = Figure(figsize=(WIDTH, above + height + foot), layout="constrained")
+    parts: Any = figure.subfigures(3, 1, height_ratios=(above, height, foot))
+    heading, body, bottom = parts
     heading.suptitle(f"{results.model}: {title}", x=0.01, ha="left", fontsize=13, fontweight="bold")
-    _add_legend(heading, make_styles(results))
+    _add_legend(heading, columns_of_legend, top=1 - 0.3 / above)
     caption = f"{about_model(results)}. {about_machine(results)}."
     caption += f" {PROVISIONAL}" if results.provisional else ""
-    foot.text(0.01, 0.9, textwrap.fill(caption, 165), ha="left", va="top", fontsize=8, color="#444444")
+    bottom.text(0.01, 0.9, textwrap.fill(caption, 165), ha="left", va="top", fontsize=8, color="#444444")
     return figure, list(body.subplots(rows, columns, squeeze=False).flat)
 
 
-def _add_legend(figure: Any, styles: Mapping[str, Style]) -> None:
+def _legend_columns(styles: Mapping[str, Style]) -> list[list[tuple[str, Style]]]:
     """A column a layout."""
     layouts = dict.fromkeys(style.layout for style in styles.values())
-    columns = [[name for name, style in styles.items() if style.layout == layout] for layout in layouts]
+    return [[(name, style) for name, style in styles.items() if style.layout == layout] for layout in layouts]
+
+
+def _add_legend(figure: Any, columns: list[list[tuple[str, Style]]], top: float) -> None:
     longest = max(map(len, columns), default=0)
     handles, labels = [], []
     for column in columns:
-        for name in (*column, *[""] * (longest - len(column))):
-            style = styles.get(name)
-            paint = (
-                {"color": style.colour, "hatch": style.hatch, "edgecolor": EDGE} if style else {"alpha": 0.0}
-            )
-            handles.append(Patch(linewidth=0.6, **paint))
-            labels.append(f"{name}: {style.title}" if style else "")
+        gap = longest - len(column)
+        handles += [Patch(**style.paint) for _, style in column] + [Patch(alpha=0.0)] * gap
+        labels += [f"{name}: {style.title}" for name, style in column] + [""] * gap
     if handles:
-        place = {"loc": "upper left", "bbox_to_anchor": (0.0, 0.76)}
-        figure.legend(handles, labels, ncols=len(columns), frameon=False, fontsize=9, **place)
+        look: Any = {"ncols": len(columns), "loc": "upper left", "frameon": False, "fontsize": 9}
+        figure.legend(handles, labels, bbox_to_anchor=(0.0, top), **look)

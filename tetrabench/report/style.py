@@ -5,6 +5,7 @@ The same in every chart, whoever else takes part: the order of the family's tabl
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 from matplotlib.colors import to_rgb
 
@@ -12,37 +13,37 @@ from tetrabench import registry
 from tetrabench.bench.record import Results
 from tetrabench.errors import InputError
 
+EDGE = "#333333"
 _HUES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")  # Okabe and Ito: for all eyes
 _SHADES = ((1.0, ""), (0.45, "////"), (0.7, "...."), (0.85, "xxx"), (0.3, "----"))  # share of the hue, hatch
 
 
 @dataclass(frozen=True)
 class Style:
-    """Of a contestant's bars. `layout`: contestants of one layout stand together in the legend."""
+    """Of a contestant's bars: its words, its column in the legend, what a patch is drawn with."""
 
     title: str
     layout: str
-    colour: tuple[float, float, float]
-    hatch: str
+    paint: dict[str, Any]
 
 
 def make_styles(results: Results) -> dict[str, Style]:
     """A style for each contestant, by name."""
-    parts = {one.name: one.title.partition(", ") for one in results.backends}
     known = [title.partition(", ") for title in _known_titles(results.family)]
-    layouts = _numbered([layout for layout, _, _ in (*known, *parts.values())])
-    rest = _numbered([slots for _, _, slots in (*known, *parts.values())])
+    mine = [backend.title.partition(", ") for backend in results.backends]
+    hues = _numbered([layout for layout, _, _ in (*known, *mine)])
+    shades = _numbered([rest for _, _, rest in (*known, *mine)])
     return {
-        name: Style(", ".join(filter(None, (layout, slots))), layout, *_paint(layouts[layout], rest[slots]))
-        for name, (layout, _, slots) in parts.items()
+        backend.name: Style(backend.title, layout, _paint(hues[layout], shades[rest]))
+        for backend, (layout, _, rest) in zip(results.backends, mine, strict=True)
     }
 
 
-def _paint(hue: int, shade: int) -> tuple[tuple[float, float, float], str]:
-    """Colour and hatch."""
+def _paint(hue: int, shade: int) -> dict[str, Any]:
+    """What a patch is drawn with."""
     share, hatch = _SHADES[shade % len(_SHADES)]
     red, green, blue = (1 - share * (1 - part) for part in to_rgb(_HUES[hue % len(_HUES)]))
-    return (red, green, blue), hatch
+    return {"facecolor": (red, green, blue), "hatch": hatch, "edgecolor": EDGE, "linewidth": 0.6}
 
 
 def _known_titles(family: str) -> list[str]:

@@ -25,12 +25,18 @@ PROVISIONAL = (
 
 WIDTH = 100
 
-_WORDS = {"reference": "1", "too short to rank": "too short", "no reference": "no ref."}
+WORDS = {
+    "reference": "1",
+    "too short to rank": "too short",
+    "no reference": "no ref.",
+    "inconclusive": "unclear",
+}
 _STYLES = {  # a second way to see what the words and signs say already
     "faster": "green",
     "slower": "bold",
     "about the same": "dim",
     "too short to rank": "dim",
+    "inconclusive": "dim",
     "skipped": "dim",
     "wrong": "bold red",
     "crashed": "bold red",
@@ -109,6 +115,10 @@ def as_markdown(results: Results) -> str:
     return "\n".join([f"**{sheet.title}**", "", *lines, "", *(f"- {note}" for note in sheet.notes)]) + "\n"
 
 
+def _plural(number: int, thing: str) -> str:
+    return f"{number} {thing}" + "s" * (number != 1)
+
+
 def _wrap(note: str) -> str:
     return textwrap.fill(note, WIDTH, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)
 
@@ -117,7 +127,7 @@ def about_model(results: Results) -> str:
     """Model, its size, and how often it was measured."""
     rounds = 1 + max((sample.round for sample in results.samples), default=0)
     facts = [f"{number:,} {things}" for things, number in results.model_size.items()]
-    facts += ["the source's counts on one net" if results.profile == "thesis" else f"{rounds} rounds"]
+    facts += ["the source's counts on one net" if results.profile == "thesis" else _plural(rounds, "round")]
     return f"{results.model}: {', '.join(facts)}"
 
 
@@ -146,10 +156,10 @@ def _relative(row: Row | None) -> Cell:
         return Cell(times(row.ratio), row.verdict)
     if row.verdict == "about the same" and row.ratio is not None:
         return Cell(f"~{row.ratio:.1f}", row.verdict)
-    return Cell(_WORDS.get(row.verdict, row.verdict), row.verdict)
+    return Cell(WORDS.get(row.verdict, row.verdict), row.verdict)
 
 
-def _costs(results: Results, rows: list[Row]) -> list[list[Cell]]:
+def _costs(results: Results, rows: list[Row]) -> list[list[str]]:
     """What does not belong to one scenario: memory, and the time before the first one."""
     item = singular(next(iter(results.model_size), "items"))
     sizes, peaks = bytes_per_item(results), peak_bytes(rows)
@@ -168,14 +178,18 @@ def _costs(results: Results, rows: list[Row]) -> list[list[Cell]]:
 
 def _notes(results: Results, rows: list[Row]) -> Iterator[str]:
     yield _about_answers(results, rows)
+    reasons: dict[tuple[str, str, str], list[str]] = {}
     for row in rows:
         if row.reason:
-            yield f"{row.scenario}, {row.backend}: {row.verdict}: {row.reason}"
+            reasons.setdefault((row.backend, row.verdict, row.reason), []).append(row.scenario)
+    for (backend, verdict, reason), scenarios in reasons.items():
+        yield f"{backend}, {verdict} in {', '.join(scenarios)}: {reason}"
     yield (
         f"Figures: CPU time, times that of {results.reference} (less is better). ~ is within 25 % of it. "
-        f"too short: under {duration(SHORTEST_S)}, says nothing."
+        f"too short: under {duration(SHORTEST_S)}, says nothing. unclear: rounds contradict each other."
     )
-    yield f"An item is {_items(results)}."
+    if items := _items(results):
+        yield f"An item is {items}."
     yield "Structure: the fresh net, no slack. Peak: the whole process. Compiling: or loading it compiled."
     if any(backend.extension for backend in results.backends):
         yield "Names with a * are not from the source."
@@ -192,10 +206,10 @@ def _about_answers(results: Results, rows: list[Row]) -> str:
         return f"WRONG ANSWERS in {', '.join(wrong)}: contestants disagree; see below."
     compared = [scenario for scenario in _scenarios(rows) if _said(rows, scenario) > 1]
     if not compared:
-        return "Answers: nothing to compare, for that at least two contestants are needed."
+        return "Answers: none compared, for that at least two contestants have to end well."
     everyone = all(row.status == "ok" for row in rows)
     who = f"All {len(results.backends)} contestants" if everyone else "All contestants that ended"
-    return f"{who} gave the same answers: {len(compared)} scenarios, one digest each."
+    return f"{who} gave the same answers: {_plural(len(compared), 'scenario')}, one digest each."
 
 
 def _said(rows: list[Row], scenario: str) -> int:

@@ -113,7 +113,7 @@ def _check_tetras(net: Net, refs: Any, faults: Any) -> None:
             u = neighbour(net, t, i)
             if u == NONE:
                 faults[3] += int(faults[6] == 0 and _somebody_behind(net, t, i))
-            elif not _known(refs, u):
+            elif u == t or not _known(refs, u):
                 faults[3] += 1
             else:
                 mutual = 0

@@ -42,6 +42,9 @@ from tetrabench.tetra.interface import (
 from tetrabench.tetra.nearest import grown_tree, insert_node, make_stack, nearest_point
 from tetrabench.tetra.points import COUNT, EDITS, SAME_POINT, STALE, append_point, grown_points
 
+FIRST = np.int64(0)
+"""A zero of the type that sides have: a plain 0 would be another type to numba, and compile what it is passed to twice."""
+
 
 @register_jitable
 def reserve(net: Net, tetras: int, points: int) -> Net:
@@ -114,12 +117,12 @@ def insert_tetra(net: Net, a: int, b: int, c: int, d: int) -> int:
         raise ValueError("no room for a tetra: call reserve first")
     # sides 1, 2, 3 hold point a: their other tetras are around a
     n0, n1, n2, n3 = NONE, NONE, NONE, NONE
-    i0, i1, i2, i3 = 0, 0, 0, 0  # the side of the neighbour that is shared
+    i0, i1, i2, i3 = FIRST, FIRST, FIRST, FIRST  # the side of the neighbour that is shared
     place = first_around(net.incidence, a)
     while place != END:
         u = ref_around(net.incidence, place)
         place = next_around(net.incidence, place)
-        shared, other = 0, 0
+        shared, other = FIRST, FIRST
         for j in range(4):
             v = vertex(net, u, j)
             match = np.int64(v == b) | np.int64(v == c) << 1 | np.int64(v == d) << 2
@@ -141,7 +144,7 @@ def insert_tetra(net: Net, a: int, b: int, c: int, d: int) -> int:
     while place != END:
         u = ref_around(net.incidence, place)
         place = next_around(net.incidence, place)
-        shared, other = 0, 0
+        shared, other = FIRST, FIRST
         for j in range(4):
             v = vertex(net, u, j)
             match = np.int64(v == c) | np.int64(v == d) << 1

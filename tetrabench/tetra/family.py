@@ -47,6 +47,7 @@ class TetraStage:
 
     def net(self) -> TetraNet:
         """A net for scenarios that change nothing but states. In a chain it keeps the states that it has."""
+        self._drop_own()
         if self._net is None:
             self._net = self._build()
         elif not self.chained:
@@ -70,9 +71,13 @@ class TetraStage:
             self._drop_own()
             self._own = net
 
+    def model_size(self) -> Mapping[str, int]:
+        """Tetras and points of the model."""
+        return {"tetras": len(self.mesh.tets), "points": len(self.mesh.points)}
+
     def structure_bytes(self) -> Mapping[str, tuple[int, int]]:
         """Bytes (used, reserved) of each buffer of the net that was given out last."""
-        net = self._own or self._net
+        net = self._net if self._own is None else self._own
         return net.structure_bytes() if net is not None and net.is_open else {}
 
     def close(self) -> None:

@@ -7,6 +7,7 @@ list in parallel. Source: thesis, section 4.4, variants 3 and 5. Holes that touc
 from typing import NamedTuple
 
 import numpy as np
+from numba.extending import register_jitable
 from numpy.typing import NDArray
 
 from tetrabench.jit import implements
@@ -57,28 +58,25 @@ def slots_used(net):
 
 @implements(interface.first_tetra, SortedList)
 def first_tetra(net):
-    elements = net.slots.elements
     hole = net.slots.counters[FIRST]
-    t = np.int64(0)
-    while t == elements[hole, SLOT] and elements[hole, NEXT] != NOWHERE:
-        hole = np.int64(elements[hole, NEXT])
-        t += 1
-    limit = np.int64(elements[hole, SLOT])
-    return Cursor(t if t < limit else NONE, hole, limit)
+    limit = np.int64(net.slots.elements[hole, SLOT])
+    return _skip_holes(net, np.int64(0), hole, limit)
 
 
 @implements(interface.next_tetra, SortedList)
 def next_tetra(net, cursor):
-    t, hole, limit = cursor.tetra + 1, cursor.hole, cursor.limit
-    if t == limit:  # a hole, perhaps with others behind it, or the end
-        elements = net.slots.elements
-        while t == limit and elements[hole, NEXT] != NOWHERE:
-            hole = np.int64(elements[hole, NEXT])
-            limit = np.int64(elements[hole, SLOT])
-            t += 1
-        if t == limit:
-            t = NONE
-    return Cursor(t, hole, limit)
+    return _skip_holes(net, cursor.tetra + 1, cursor.hole, cursor.limit)
+
+
+@register_jitable(forceinline=True)
+def _skip_holes(net, t, hole, limit):
+    """The first live slot from t on; `limit` is the slot of the element `hole`, the next hole or the end."""
+    # No array gets a name of its own here: numba would count its references, atomically, at every step of a sweep.
+    while t == limit and hole != net.slots.counters[LAST]:
+        hole = np.int64(net.slots.elements[hole, NEXT])
+        limit = np.int64(net.slots.elements[hole, SLOT])
+        t += 1
+    return Cursor(t if t < limit else NONE, hole, limit)
 
 
 @implements(interface.last_tetra, SortedList)

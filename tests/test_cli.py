@@ -1,0 +1,261 @@
+"""The verbs, as a person meets them: what is printed where, exit codes, and no traceback."""
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+import tetrabench
+from tests.report.made import change, make_results
+from tetrabench.bench import read_results, save_results
+from tetrabench.bench.record import Results
+from tetrabench.cli import main
+from tetrabench.report.table import as_markdown, as_text
+
+
+def say(*words: object) -> Result:
+    """What the command line answers."""
+    return CliRunner().invoke(main, [str(word) for word in words])
+
+
+def refusal(*words: object) -> str:
+    """The one line with which bad input is refused."""
+    result = say(*words)
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert result.stderr.startswith("tetrabench: ")
+    assert result.stderr.count("\n") == 1
+    return result.stderr
+
+
+@pytest.fixture
+def no_measuring(monkeypatch: pytest.MonkeyPatch):
+    """Let `run` make its plan, and take these results for what was measured."""
+
+    def let(results: Results) -> list:
+        plans = []
+
+        def run_benchmark(plan, *, progress):
+            plans.append(plan)
+            progress.started(plan)
+            progress.step("compiled alfa for v3y", 1, 2, None)
+            progress.step("compiled flow for v3y", 2, 2, None)
+            progress.step("alfa: v3y, round 1", 0, 2, None)
+            progress.step("alfa: v3y, round 2", 1, 2, 4.0)
+            progress.step("flow: v3y, round 1", 1, 2, 65.0)
+            return results
+
+        monkeypatch.setattr("tetrabench.bench.run_benchmark", run_benchmark)
+        return plans
+
+    return let
+
+
+RUN = ("run", "--model", "box", "--tets", "400")
+
+
+def test_version_and_help():
+    assert say("--version").stdout.strip() == f"tetrabench {tetrabench.__version__}"
+    for verb in ("run", "show", "list", "generate"):
+        assert verb in say("--help").stdout
+        assert say(verb, "--help").exit_code == 0
+
+
+def test_wrong_usage_is_2():
+    assert say("run").exit_code == 2
+    assert say("list", "colours").exit_code == 2
+    assert "100k" in say(*RUN[:3], "--tets", "lots").stderr
+
+
+# ---------------------------------------------------------------------- refusals
+
+
+def test_missing_model_says_how_to_get_one(tmp_path: Path):
+    assert "tetrabench generate nozzle" in refusal("run", "--model", tmp_path / "nozzle.nas")
+    assert "no such file" in refusal("run", "--model", tmp_path / "other.nas")
+
+
+def test_unknown_names_are_answered_with_the_nearest():
+    assert "did you mean 'v3y'?" in refusal(*RUN, "--backend", "v3,v3yy")
+    assert "did you mean 'explode'?" in refusal(*RUN, "--scenario", "exploed")
+    assert "there are: tetra" in refusal(*RUN, "--family", "tetras")
+    assert "nozzle, box" in refusal("generate", "nozle", "-o", "nozzle.nas")
+
+
+def test_bad_results_are_refused(tmp_path: Path):
+    assert "cannot read" in refusal("show", tmp_path / "nothing.json")
+    (tmp_path / "bad.json").write_text("{")
+    assert "no results" in refusal("show", tmp_path / "bad.json")
+
+
+def test_folder_for_the_results_is_looked_for_before_the_run(tmp_path: Path):
+    result = say(*RUN, "-o", tmp_path / "nowhere" / "out.json")
+    assert result.exit_code == 2
+    assert "nowhere" in result.stderr
+
+
+# ---------------------------------------------------------------------- run, made results
+
+
+def test_options_reach_the_plan(no_measuring):
+    plans = no_measuring(make_results())
+    words = (
+        "--backend",
+        "v3y,v4",
+        "--backend",
+        "v5",
+        "--scenario",
+        "flow, alfa",
+        "--rounds",
+        "2",
+        "--seed",
+        "7",
+    )
+    say(*RUN, *words)
+    (plan,) = plans
+    assert [backend.name for backend in plan.backends] == ["v3y", "v4", "v5"]
+    assert [task.scenario for task in plan.tasks] == ["flow", "alfa"]
+    assert (plan.effort.rounds, plan.seed, plan.chained) == (2, 7, False)
+    say(*RUN, "--thesis")
+    assert plans[1].chained
+
+
+def test_table_on_stdout_and_the_rest_on_stderr(no_measuring, tmp_path: Path):
+    results = make_results()
+    no_measuring(results)
+    output = tmp_path / "out.json"
+    result = say(*RUN, "--scenario", "alfa,flow", "-o", output, "--charts", tmp_path / "charts")
+    assert result.exit_code == 0
+    assert result.stdout == as_text(results)
+    assert "Provisional" in result.stdout
+    written = [output, tmp_path / "charts" / "times.png", tmp_path / "charts" / "memory.png"]
+    assert all(path.is_file() and f"wrote {path}" in result.stderr for path in written)
+    assert read_results(output) == results
+
+
+def test_no_terminal_nothing_animated(no_measuring):
+    no_measuring(make_results())
+    result = say(*RUN, "--scenario", "alfa,flow", "--backend", "v3y")
+    assert not set("\r\x1b") & set(result.output)
+    assert result.stderr.splitlines() == [
+        "box: 2 scenarios on v3y, 5 rounds at most",
+        "compiling, or loading what was compiled",
+        "alfa",
+        "flow (1 of 2 turns done, 1:05 left)",
+    ]
+
+
+def test_wrong_answers_are_3_and_shown(no_measuring):
+    no_measuring(change(make_results(), "alfa", "v4", status="wrong-result", reason="v4 says 1, most say 2"))
+    result = say(*RUN)
+    assert result.exit_code == 3
+    assert "v4 says 1, most say 2" in result.stdout
+
+
+def test_interrupted_is_130_and_saved(no_measuring, tmp_path: Path):
+    no_measuring(make_results(interrupted=True))
+    result = say(*RUN, "-o", tmp_path / "out.json")
+    assert result.exit_code == 130
+    assert f"results so far are in {tmp_path / 'out.json'}" in result.stderr
+    assert read_results(tmp_path / "out.json").interrupted
+
+
+def test_interrupted_before_anything_is_130(monkeypatch):
+    def interrupt(*args, **options):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("tetrabench.bench.make_plan", interrupt)
+    result = say(*RUN)
+    assert (result.exit_code, result.stderr) == (130, "tetrabench: interrupted\n")
+
+
+def test_show_says_what_run_said(tmp_path: Path):
+    results = make_results()
+    path = tmp_path / "out.json"
+    save_results(results, path)
+    assert say("show", path).stdout == as_text(results)
+    assert say("show", path, "--format", "md").stdout == as_markdown(results)
+    result = say("show", path, "--charts", tmp_path, "--chart-format", "svg")
+    assert result.exit_code == 0
+    assert (tmp_path / "times.svg").is_file()
+
+
+# ---------------------------------------------------------------------- list, generate
+
+
+def test_lists():
+    backends = say("list", "backends").stdout
+    for name in ("v3", "v3x", "v3y", "v4", "v5", "v5x", "v5y"):
+        assert re.search(rf"^{name} ", backends, re.MULTILINE)
+    assert "property arrays, flag + list" in backends
+    assert "sweeps 50 (thesis 200)" in say("list", "scenarios").stdout
+    assert re.search(r"^nozzle ", say("list", "models").stdout, re.MULTILINE)
+
+
+def test_generate_writes_a_mesh_and_states_its_quality(tmp_path: Path):
+    first, second = tmp_path / "a.nas", tmp_path / "b.nas"
+    result = say("generate", "box", "--tets", "0.4k", "--seed", 3, "-o", first)
+    assert result.exit_code == 0
+    assert re.search(r"384 tets, 125 points.* smallest dihedral angle \d+\.\d degrees", result.stdout)
+    assert f"wrote {first}" in result.stderr
+    say("generate", "box", "--tets", "400", "--seed", 3, "-o", second)
+    assert first.read_bytes() == second.read_bytes()
+    say("generate", "box", "--tets", "400", "--seed", 3, "--numbering", "shuffled", "-o", second)
+    assert first.read_bytes() != second.read_bytes()
+
+
+# ---------------------------------------------------------------------- real processes
+
+
+def in_process(*words: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, *words], capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize("module", ["numba", "numpy", "matplotlib", "pandas"])
+def test_help_and_the_public_face_are_light(module: str):
+    for code in (
+        "import tetrabench, tetrabench.cli",
+        "from tetrabench.cli import main; main(['--help'], standalone_mode=False)",
+    ):
+        assert in_process("-c", f"{code}; import sys; assert {module!r} not in sys.modules").returncode == 0
+
+
+def test_a_whole_run_in_a_process_of_its_own(tmp_path: Path):
+    output = tmp_path / "out.json"
+    words = (*RUN, "--backend", "v3y,v5y", "--scenario", "alfa,free", "--quick", "-o", str(output))
+    done = in_process("-m", "tetrabench", *words)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "All 2 contestants gave the same answers: 2 scenarios, one digest each." in done.stdout
+    assert not set("\r\x1b") & set(done.stdout + done.stderr)
+    assert json.loads(output.read_bytes())["model"] == "box"
+    frame = tetrabench.load_results(output)
+    assert set(frame.status) == {"ok"}
+    assert len(frame) == 12
+    assert frame.groupby("scenario").digest.nunique().eq(1).all()
+
+
+def test_bad_input_in_a_process_of_its_own():
+    done = in_process("-m", "tetrabench", "run", "--model", "nowhere.nas")
+    assert done.returncode == 2
+    assert "Traceback" not in done.stderr
+
+
+# ---------------------------------------------------------------------- the public face
+
+
+def test_public_face():
+    assert all(getattr(tetrabench, name) is not None for name in tetrabench.__all__)
+    assert set(tetrabench.__all__) <= set(dir(tetrabench))
+    with pytest.raises(AttributeError, match="no attribute 'nonsense'"):
+        tetrabench.nonsense  # noqa: B018
+
+
+def test_open_takes_a_mesh_or_a_file(tmp_path: Path):
+    mesh = tetrabench.generate("box", 48)
+    tetrabench.write_mesh(mesh, tmp_path / "box.nas")
+    assert len(tetrabench.open(mesh)) == 48
+    assert tetrabench.open(tmp_path / "box.nas", backend="v4").contestant.name == "v4"
