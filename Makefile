@@ -44,15 +44,18 @@ $(VENV)/bin/python:
 	  echo "tetrabench needs Python 3.11 or newer; this is $$($(PYTHON) --version). Say: make PYTHON=python3.12 run" >&2; exit 2; }
 	@$(PYTHON) -c 'import venv, ensurepip' 2>/dev/null || { \
 	  echo "Python's venv is missing. On Debian and Ubuntu: apt install python3-venv; then run make again." >&2; exit 2; }
-	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --upgrade pip setuptools wheel
+	@echo 'making an environment in $(VENV)'
+	@$(PYTHON) -m venv $(VENV)
+	@$(BIN)/python -m pip install -qq --upgrade pip setuptools wheel
 
 $(BIN)/tetrabench: $(VENV)/bin/python pyproject.toml
-	$(BIN)/python -m pip install --quiet --no-build-isolation -e .
+	@echo 'installing tetrabench and what it needs'
+	@$(BIN)/python -m pip install -qq --no-build-isolation -e .
 	@touch $@
 
 $(VENV)/developing: $(VENV)/bin/python pyproject.toml
-	$(BIN)/python -m pip install --quiet --no-build-isolation -e '.[dev]'
+	@echo 'installing tetrabench, what it needs, and what its tests need'
+	@$(BIN)/python -m pip install -qq --no-build-isolation -e '.[dev]'
 	@touch $(BIN)/tetrabench $@
 
 clean:           ## remove the environment and everything built

@@ -29,7 +29,17 @@ def flat() -> TetraMesh:
 
 def touching() -> TetraMesh:
     """Two tetras that share an edge only, and one that shares a vertex with them: not a manifold."""
-    points = [[0, 0, 0], [0, 0, 1], [1, 0, 0], [1, 1, 0], [-1, 0, 0], [-1, -1, 0], [1, -1, -1], [0, -1, -1], [0, 1, -1]]
+    points = [
+        [0, 0, 0],
+        [0, 0, 1],
+        [1, 0, 0],
+        [1, 1, 0],
+        [-1, 0, 0],
+        [-1, -1, 0],
+        [1, -1, -1],
+        [0, -1, -1],
+        [0, 1, -1],
+    ]
     return mesh_of(points, [[0, 1, 2, 3], [0, 1, 4, 5], [0, 6, 7, 8]])
 
 

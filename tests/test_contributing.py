@@ -22,7 +22,18 @@ def test_the_text_adds_a_contestant(tmp_path):
     folder.mkdir()
     for name, content in files.items():
         (folder / name).write_text(content)
-    pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation", "--target", site, folder]
+    pip = [
+        sys.executable,
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--no-deps",
+        "--no-build-isolation",
+        "--target",
+        site,
+        folder,
+    ]
     subprocess.run([str(word) for word in pip], check=True, capture_output=True)
 
     def tetrabench(*arguments):
@@ -33,7 +44,19 @@ def test_the_text_adds_a_contestant(tmp_path):
         return done.stdout
 
     assert "hotcold*" in tetrabench("list", "backends")
-    run = ["run", "--model", "nozzle", "--tets", "2000", "--backend", "v3y,hotcold", "--rounds", "1", "-o", "out.json"]
+    run = [
+        "run",
+        "--model",
+        "nozzle",
+        "--tets",
+        "2000",
+        "--backend",
+        "v3y,hotcold",
+        "--rounds",
+        "1",
+        "-o",
+        "out.json",
+    ]
     tetrabench(*run)
     samples = json.loads((tmp_path / "out.json").read_text())["samples"]
     scenarios = {sample["scenario"] for sample in samples}

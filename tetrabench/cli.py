@@ -66,9 +66,7 @@ def check_folder(ctx: click.Context, param: click.Parameter, path: Path | None) 
 
 
 seed_option = click.option("--seed", default=0, help="Of all that is random.", show_default=True)
-family_option = click.option(
-    "--family", default="tetra", show_default=True, help="The kind of thing to store."
-)
+family_option = click.option("--family", default="tetra", show_default=True, help="The kind of thing to store.")
 numbering_option = click.option(
     "--numbering",
     type=click.Choice(["natural", "shuffled"]),
@@ -112,12 +110,8 @@ def main() -> None:
 @main.command()
 @click.option("--model", required=True, metavar="FILE|NAME", help="A Nastran file, or a model to generate.")
 @family_option
-@click.option(
-    "--backend", "backends", multiple=True, callback=split_names, metavar="A,B", help="All unless given."
-)
-@click.option(
-    "--scenario", "scenarios", multiple=True, callback=split_names, metavar="A,B", help="All unless given."
-)
+@click.option("--backend", "backends", multiple=True, callback=split_names, metavar="A,B", help="All unless given.")
+@click.option("--scenario", "scenarios", multiple=True, callback=split_names, metavar="A,B", help="All unless given.")
 @click.option("--reference", metavar="A", help="The backend that ratios refer to.")
 @click.option("--tets", callback=read_count, metavar="N", help="Size of a generated model, such as 100k.")
 @numbering_option
@@ -125,9 +119,7 @@ def main() -> None:
 @click.option("--thesis", is_flag=True, help="As the source did it: its counts, its order, one net for all.")
 @click.option("--quick", is_flag=True, help="Fewer rounds.")
 @click.option("--rounds", type=int, help="How often each backend has its turn.")
-@click.option(
-    "-o", "--output", metavar="FILE.json", type=FILE, callback=check_folder, help="Save the results."
-)
+@click.option("-o", "--output", metavar="FILE.json", type=FILE, callback=check_folder, help="Save the results.")
 @charts_option
 @chart_format_option
 @format_option
@@ -214,9 +206,7 @@ def present(results: Results, form: str, charts: Path | None, chart_format: str)
     from tetrabench.report.table import as_markdown, as_text
 
     colour = sys.stdout.isatty()
-    click.echo(
-        as_markdown(results) if form == "md" else as_text(results, colour=colour), nl=False, color=colour
-    )
+    click.echo(as_markdown(results) if form == "md" else as_text(results, colour=colour), nl=False, color=colour)
     if charts:
         from tetrabench.report.chart import draw_charts
 
@@ -282,9 +272,7 @@ class _Progress:
         """What is going to happen."""
         self._scenarios = {task.scenario for task in plan.tasks}
         backends = ", ".join(backend.name for backend in plan.backends)
-        self._say(
-            f"{plan.model}: {len(plan.tasks)} scenarios on {backends}, {plan.effort.rounds} rounds at most"
-        )
+        self._say(f"{plan.model}: {len(plan.tasks)} scenarios on {backends}, {plan.effort.rounds} rounds at most")
 
     def step(self, text: str, done: int, total: int, seconds_remaining: float | None) -> None:
         """What happens now."""

@@ -105,9 +105,11 @@ class Family(Protocol):
     @property
     def reference(self) -> str:
         """The contestant that ratios refer to."""
+
     @property
     def thesis_order(self) -> Sequence[str]:
         """The scenarios of the source, in its order, on one net that changes as it goes."""
+
     @property
     def models(self) -> Mapping[str, str]:
         """Models that can be generated: name -> one line about it."""

@@ -6,13 +6,13 @@
 | array of records                   | v5                   | v5x         | v5y         |          |
 | linked nodes (a heap node a tetra) |                      |             |             | v4       |
 
-Source: the thesis (Győr 2011), section 4.4.
+"The thesis", here and in scenarios/, is József Martin, Nagyméretű tetraéderhálózatok hatékony kezelési módszereinek vizsgálata
+(Handling large tetrahedral meshes efficiently: a study of methods), Széchenyi István University, Győr 2011; this is its 4.4.
 """
 
 from functools import partial
 
 import numpy as np
-
 from tetrabench.backends.tetra.layouts.linked_nodes import make_linked_nodes
 from tetrabench.backends.tetra.layouts.property_arrays import make_property_arrays
 from tetrabench.backends.tetra.layouts.records import make_records
@@ -20,14 +20,20 @@ from tetrabench.backends.tetra.slots.chain import make_chain
 from tetrabench.backends.tetra.slots.flag_list import make_flag_list
 from tetrabench.backends.tetra.slots.flag_scan import make_flag_scan
 from tetrabench.backends.tetra.slots.sorted_list import make_sorted_list
+
 from tetrabench.tetra.build import build_net
 from tetrabench.tetra.contestant import TetraContestant
 
-SOURCE = "thesis (Győr 2011), section 4.4"
+SOURCE = "J. Martin, thesis, Győr 2011, section 4.4"
 
 LAYOUTS = [
     ("v3", "property arrays", "a sweep reads only the fields it uses", make_property_arrays),
-    ("v5", "array of records", "all of a tetra lies together, so a sweep reads what it does not use", make_records),
+    (
+        "v5",
+        "array of records",
+        "all of a tetra lies together, so a sweep reads what it does not use",
+        make_records,
+    ),
 ]
 
 SLOT_POLICIES = [
@@ -36,7 +42,17 @@ SLOT_POLICIES = [
     ("y", "flag + list", "insert and delete at once; the list takes room", make_flag_list),
 ]
 
-CONTESTANTS = [
+V4 = TetraContestant(
+    name="v4",
+    title="linked nodes, no holes",
+    trade_off="insert and delete anywhere, refs are pointers; a sweep waits for memory at every step",
+    build=partial(build_net, make_layout=make_linked_nodes, make_slots=make_chain, ref_dtype=np.int64),
+    layout="linked nodes",
+    slots="no holes",
+    source=SOURCE,
+)
+
+PRODUCT = [
     TetraContestant(
         name=layout + suffix,
         title=f"{place}, {policy}",
@@ -50,14 +66,4 @@ CONTESTANTS = [
     for suffix, policy, price, make_slots in SLOT_POLICIES
 ]
 
-CONTESTANTS.append(
-    TetraContestant(
-        name="v4",
-        title="linked nodes, no holes",
-        trade_off="insert and delete anywhere, refs are pointers; a sweep waits for memory at every step",
-        build=partial(build_net, make_layout=make_linked_nodes, make_slots=make_chain, ref_dtype=np.int64),
-        layout="linked nodes",
-        slots="no holes",
-        source=SOURCE,
-    )
-)
+CONTESTANTS = sorted([*PRODUCT, V4], key=lambda contestant: contestant.name)

@@ -1,4 +1,4 @@
-"""alfa: each tetra's state moves towards the mean of its neighbours. Thesis, section 5.1, its formula corrected.
+"""alfa: each tetra's state moves towards the mean of its neighbours. Thesis, 4.6.3, its formula corrected.
 
 The source prints a_new = k a + (1 - k) * sum of n_i, which is no mean and grows without bound. Here
 
@@ -9,9 +9,10 @@ The weights are symmetric, so the sum over the net stays the same, and min and m
 
 from typing import Any, NamedTuple
 
+from tetrabench.scenarios.tetra.base import TetraScenario
+
 from tetrabench.jit import kernel
 from tetrabench.protocols import Answer, Options, Work
-from tetrabench.scenarios.tetra.base import TetraScenario
 from tetrabench.tetra.interface import (
     NONE,
     Net,
@@ -28,11 +29,11 @@ SWEEP_BYTES = 4 * 4 + 4 * 8 + 8 + 8 + 8
 """Least traffic for a tetra in one sweep: neighbour refs; own state read, new one written, and both in copying back."""
 
 
-class Sweeps(NamedTuple):
+class Averaging(NamedTuple):
     """How often to sweep over which net."""
 
     net: TetraNet
-    count: int
+    sweeps: int
 
 
 class Alfa(TetraScenario):
@@ -43,21 +44,21 @@ class Alfa(TetraScenario):
     options = {"sweeps": 50}
     thesis = {"sweeps": 200}
 
-    def prepare(self, stage: Any, options: Options) -> Sweeps:
+    def prepare(self, stage: Any, options: Options) -> Averaging:
         """A net with its initial states."""
-        return Sweeps(stage.net(), options["sweeps"])
+        return Averaging(stage.net(), options["sweeps"])
 
-    def run(self, sweeps: Sweeps) -> None:
+    def run(self, averaging: Averaging) -> None:
         """Sweep."""
-        average(sweeps.net.storage, sweeps.count)
+        average(averaging.net.storage, averaging.sweeps)
 
-    def answer(self, sweeps: Sweeps, outcome: None) -> Answer:
+    def answer(self, averaging: Averaging, outcome: None) -> Answer:
         """The states, with all of the net."""
-        return sweeps.net.answer()
+        return averaging.net.answer()
 
-    def work(self, sweeps: Sweeps, outcome: None) -> Work:
+    def work(self, averaging: Averaging, outcome: None) -> Work:
         """Visited tetras."""
-        visits = len(sweeps.net) * sweeps.count
+        visits = len(averaging.net) * averaging.sweeps
         return Work(visits, "tetra visits", visits * SWEEP_BYTES)
 
 

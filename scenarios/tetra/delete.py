@@ -1,10 +1,11 @@
-"""delete: many tetras from the end, each next to the one before. Thesis, section 5.1."""
+"""delete: many tetras from the end, each next to the one before. Thesis, 4.6.1."""
 
 from typing import Any, NamedTuple
 
+from tetrabench.scenarios.tetra.base import TetraScenario, at_most_half
+
 from tetrabench.jit import kernel
 from tetrabench.protocols import Answer, Options, Work
-from tetrabench.scenarios.tetra.base import TetraScenario, at_most_half
 from tetrabench.tetra.edit import delete_tetra
 from tetrabench.tetra.interface import NONE, Net, last_tetra, neighbour
 from tetrabench.tetra.net import TetraNet
@@ -14,7 +15,7 @@ class Deletion(NamedTuple):
     """How many tetras of which net are to go."""
 
     net: TetraNet
-    count: int
+    wanted: int
 
 
 class Delete(TetraScenario):
@@ -31,7 +32,7 @@ class Delete(TetraScenario):
 
     def run(self, deletion: Deletion) -> None:
         """Delete them."""
-        delete_from_end(deletion.net.storage, deletion.count)
+        delete_from_end(deletion.net.storage, deletion.wanted)
 
     def answer(self, deletion: Deletion, outcome: None) -> Answer:
         """All that is left."""
@@ -39,7 +40,7 @@ class Delete(TetraScenario):
 
     def work(self, deletion: Deletion, outcome: None) -> Work:
         """Deleted tetras."""
-        return Work(deletion.count, "deletions")
+        return Work(deletion.wanted, "deletions")
 
 
 @kernel

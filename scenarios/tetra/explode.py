@@ -1,13 +1,13 @@
-"""explode: split many tetras into four around their centroids. Thesis, section 5.1."""
+"""explode: split many tetras into four around their centroids. Thesis, 4.6.2."""
 
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-
-from tetrabench.protocols import Answer, Options, Work
 from tetrabench.scenarios.tetra.base import TetraScenario, at_most_half
 from tetrabench.scenarios.tetra.delete import delete_from_end
+
+from tetrabench.protocols import Answer, Options, Work
 from tetrabench.tetra.net import TetraNet
 
 

@@ -1,4 +1,4 @@
-"""flow: simple diffusion between neighbours through their common sides. Thesis, section 5.1, its formula corrected.
+"""flow: simple diffusion between neighbours through their common sides. Thesis, 4.6.4, its formula corrected.
 
 The source prints V_a - V_n in the denominator; from its own derivation (the distances of the centroids to the common side,
 added) it must be the sum. Here
@@ -11,10 +11,11 @@ Each side's term is antisymmetric, so the sum of a over the net stays the same; 
 
 from typing import Any, NamedTuple
 
-from tetrabench.jit import kernel
-from tetrabench.protocols import Answer, Options, Work
 from tetrabench.scenarios.tetra.alfa import copy_back
 from tetrabench.scenarios.tetra.base import TetraScenario
+
+from tetrabench.jit import kernel
+from tetrabench.protocols import Answer, Options, Work
 from tetrabench.tetra.interface import (
     NONE,
     Net,
@@ -38,7 +39,7 @@ class Diffusion(NamedTuple):
     """How often to sweep over which net, with which step of time."""
 
     net: TetraNet
-    count: int
+    sweeps: int
     step: float
 
 
@@ -58,7 +59,7 @@ class Flow(TetraScenario):
 
     def run(self, diffusion: Diffusion) -> None:
         """Sweep."""
-        diffuse(diffusion.net.storage, diffusion.count, diffusion.step)
+        diffuse(diffusion.net.storage, diffusion.sweeps, diffusion.step)
 
     def answer(self, diffusion: Diffusion, outcome: None) -> Answer:
         """The states, with all of the net."""
@@ -67,7 +68,7 @@ class Flow(TetraScenario):
 
     def work(self, diffusion: Diffusion, outcome: None) -> Work:
         """Visited tetras."""
-        visits = len(diffusion.net) * diffusion.count
+        visits = len(diffusion.net) * diffusion.sweeps
         return Work(visits, "tetra visits", visits * SWEEP_BYTES)
 
 

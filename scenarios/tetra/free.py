@@ -1,12 +1,12 @@
-"""free: give everything back. Thesis, section 5.1."""
+"""free: give everything back. Thesis, 5.2.1."""
 
 import weakref
 from typing import Any, NamedTuple
 
 import numpy as np
+from tetrabench.scenarios.tetra.base import TetraScenario
 
 from tetrabench.protocols import Answer, Options, Work
-from tetrabench.scenarios.tetra.base import TetraScenario
 from tetrabench.tetra.digest import mixed_with
 from tetrabench.tetra.net import TetraNet
 

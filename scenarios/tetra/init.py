@@ -1,10 +1,11 @@
-"""init: read the file and build everything: geometry, side neighbours, incidence, search tree. Thesis, section 5.1."""
+"""init: read the file and build everything: geometry, side neighbours, incidence, search tree. Thesis, 5.2.1."""
 
 from typing import Any
 
+from tetrabench.scenarios.tetra.base import TetraScenario
+
 from tetrabench.io import read_mesh
 from tetrabench.protocols import Answer, Options, Work
-from tetrabench.scenarios.tetra.base import TetraScenario
 from tetrabench.tetra.net import TetraNet
 
 

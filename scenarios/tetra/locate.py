@@ -1,17 +1,17 @@
 """locate: find the tetra of a point close to each side 0, three ways: a walk, as the source did it, by brute force.
 
 The points are the hard case for a search that begins at the nearest point: 0.5 % of the way from the centre of side 0 to
-the vertex opposite it. Thesis, section 5.2.
+the vertex opposite it. Thesis, 4.6.5.
 """
 
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from tetrabench.scenarios.tetra.base import TetraScenario
 
 from tetrabench.jit import kernel
 from tetrabench.protocols import Answer, Options, Work
-from tetrabench.scenarios.tetra.base import TetraScenario
 from tetrabench.tetra.digest import found_answer
 from tetrabench.tetra.interface import Net, vertex
 from tetrabench.tetra.net import TetraNet

@@ -94,7 +94,7 @@ class Family:
     name = "scripted"
     reference = "steady"
     thesis_order = ("third", "first", "second")
-    models = {"tiny": "three letters"}  # noqa: RUF012
+    models = {"tiny": "three letters"}
 
     def find_model(self, model: str, *, size: int | None, numbering: str, seed: int) -> Path:
         return HERE / "model"

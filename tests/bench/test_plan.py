@@ -81,9 +81,7 @@ class TestMakePlan:
             make_plan("tiny", family="scripted", backends=["third"], reference="steady")
 
     def test_the_command_repeats_the_run_and_names_no_folder(self):
-        plan = make_plan(
-            "/home/somebody/my file", family="scripted", backends=["third", "other"], quick=True, seed=7
-        )
+        plan = make_plan("/home/somebody/my file", family="scripted", backends=["third", "other"], quick=True, seed=7)
         assert plan.model == "my file"
         assert plan.command == (
             "tetrabench run --model 'my file' --family scripted --backend third,other"

@@ -23,9 +23,7 @@ class TestNames:
 
     def test_a_table_of_no_family_is_an_error(self, install):
         install("lost_plugin", "[tetrabench.contestants]\nmine = lost:CONTESTANTS\n", lost="CONTESTANTS = []")
-        with pytest.raises(
-            InputError, match=r"plug-in lost_plugin: 'mine' in tetrabench.contestants is no family"
-        ):
+        with pytest.raises(InputError, match=r"plug-in lost_plugin: 'mine' in tetrabench.contestants is no family"):
             registry.contestants("scripted")
 
     def test_two_contestants_of_one_name(self, install):
@@ -35,9 +33,7 @@ class TestNames:
             registry.contestant("scripted", "chatty")
 
     def test_an_unknown_name_gets_the_nearest_one_and_the_list(self):
-        with pytest.raises(
-            InputError, match=r"no backend 'chaty'; did you mean 'chatty'.*there are: steady, other"
-        ):
+        with pytest.raises(InputError, match=r"no backend 'chaty'; did you mean 'chatty'.*there are: steady, other"):
             registry.contestant("scripted", "chaty")
         with pytest.raises(InputError, match="no scenario 'zzz'; there are: first, second, third"):
             registry.scenario("scripted", "zzz")
@@ -51,9 +47,7 @@ def test_a_plug_in_that_cannot_be_imported_is_named(install):
         FAMILY.format(name="broken", module="broken_module"),
         broken_module="import no_such_thing",
     )
-    with pytest.raises(
-        InputError, match=r"plug-in broken_plugin: cannot import broken_module:FAMILY: .*no_such_thing"
-    ):
+    with pytest.raises(InputError, match=r"plug-in broken_plugin: cannot import broken_module:FAMILY: .*no_such_thing"):
         registry.family("broken")
 
 

@@ -84,9 +84,7 @@ def test_every_contestant_has_its_turn_in_every_round():
         assert turns == list(range(7))
     assert all(worker.is_dead for worker in workers)
     assert [backend.compile_s for backend in results.backends] == [1.0] * 7
-    assert results.backends[0].structure == {
-        "letters": (3, 4)
-    }  # not there when loaded, but with the first sample
+    assert results.backends[0].structure == {"letters": (3, 4)}  # not there when loaded, but with the first sample
 
 
 def test_a_hopeless_contestant_gets_fewer_rounds():
@@ -138,9 +136,7 @@ def test_a_worker_that_cannot_load_the_model_has_no_cells():
 
 def test_a_bad_model_is_the_users_to_mend():
     with pytest.raises(InputError, match=r"x.nas:3: no"):
-        play(
-            lambda name, scenario, visit: Failed("x.nas:3: no", bad_input=True) if scenario == "load" else 1.0
-        )
+        play(lambda name, scenario, visit: Failed("x.nas:3: no", bad_input=True) if scenario == "load" else 1.0)
 
 
 def test_an_interrupt_keeps_what_there_is():

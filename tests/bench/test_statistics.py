@@ -87,9 +87,7 @@ def test_rounds_that_contradict_each_other_rank_nothing():
     assert row("v4", samples("v3y", REFERENCE), other).verdict == "inconclusive"
 
 
-@pytest.mark.parametrize(
-    ("factor", "verdict"), [(1.1, "about the same"), (2.0, "inconclusive"), (10, "slower")]
-)
+@pytest.mark.parametrize(("factor", "verdict"), [(1.1, "about the same"), (2.0, "inconclusive"), (10, "slower")])
 def test_a_single_round_ranks_only_what_is_clear(factor, verdict):
     assert row("v4", samples("v3y", REFERENCE), samples("v4", [factor * 0.1])).verdict == verdict
 
@@ -165,9 +163,7 @@ def test_exit_codes():
 def test_two_results_round_trip(tmp_path):
     figures = {"sum": None, "count": 12.0}
     both = [
-        results(
-            samples("v3y", REFERENCE, figures=figures), samples("v6", [1e-9, 0.1 + 0.2, 3.0], digest="x")
-        ),
+        results(samples("v3y", REFERENCE, figures=figures), samples("v6", [1e-9, 0.1 + 0.2, 3.0], digest="x")),
         results(samples("v3y", [None], status="crash", reason="signal 11"), interrupted=True),
     ]
     for number, one in enumerate(both):
@@ -176,9 +172,7 @@ def test_two_results_round_trip(tmp_path):
 
 
 def test_results_as_a_frame(tmp_path):
-    save_results(
-        results(samples("v3y", REFERENCE), samples("v4", [None], status="crash")), tmp_path / "r.json"
-    )
+    save_results(results(samples("v3y", REFERENCE), samples("v4", [None], status="crash")), tmp_path / "r.json")
     frame = load_results(tmp_path / "r.json")
     wanted = "family model scenario backend status round cpu_s wall_s items digest structure_bytes peak_bytes"
     assert set(wanted.split()) <= set(frame.columns)

@@ -76,13 +76,9 @@ def test_every_bad_end_is_named_and_ends_its_own_cell_alone():
     assert reasons["crashing"] == "signal 11 (Segmentation fault)"
     assert reasons["crashing-small"] == "on the small model: signal 11 (Segmentation fault)"
     assert reasons["leaving"].startswith("on the small model: SystemExit: 4")
-    assert reasons["wrong"] == (
-        "wrong says bad0, most say 20: count 41 instead of 2, sum none instead of 0.5"
-    )
+    assert reasons["wrong"] == ("wrong says bad0, most say 20: count 41 instead of 2, sum none instead of 0.5")
     assert all(sample.status == "wrong-result" for sample in cell(results, "wrong"))
-    assert all(
-        row.ratio is None for row in summary(results) if (row.scenario, row.backend) == ("second", "wrong")
-    )
+    assert all(row.ratio is None for row in summary(results) if (row.scenario, row.backend) == ("second", "wrong"))
 
 
 class Killer:

@@ -82,17 +82,13 @@ def test_box_is_a_cubic_metre() -> None:
 
 def test_source_states_what_was_made() -> None:
     source = generate("nozzle", 100, numbering="shuffled", seed=7).report.source
-    assert source.startswith(
-        "nozzle: 108 tets, 49 points, 1 rings x 6 layers, lengths in metres, smallest dihedral"
-    )
+    assert source.startswith("nozzle: 108 tets, 49 points, 1 rings x 6 layers, lengths in metres, smallest dihedral")
     assert source.endswith("degrees, seed 7, shuffled (seed 7)")
 
 
 def test_dihedral_angle_of_the_corner_of_a_cube() -> None:
     corner = single()
-    assert smallest_dihedral_angle(corner.points, corner.tets) == pytest.approx(
-        np.degrees(np.arctan(np.sqrt(2)))
-    )
+    assert smallest_dihedral_angle(corner.points, corner.tets) == pytest.approx(np.degrees(np.arctan(np.sqrt(2))))
     assert signed_volumes(corner.points, corner.tets).tolist() == [pytest.approx(1 / 6)]
 
 

@@ -1,11 +1,11 @@
 """How fast our kernels are beside C: both in turn on the same memory, thread CPU time, medians of paired ratios.
 
-    python tests/native/bench_native.py [--tets 642700] [--numbering natural] [--turns 21] [--only alfa,flow] [--json FILE]
+    python tests/native/bench_native.py [--tets N] [--numbering natural] [--turns 21] [--only v4,alfa] [--json FILE]
 
-A turn is one sample of ours and one of C, the order alternating. A sample of alfa or flow is SWEEPS sweeps over the fresh
-net; one of delete or explode is the whole scenario on a fresh net (arrays copied back; V4: built anew), explode after
-delete. The interval holds the median ratio with at least 95 % (order statistics, sign test); the bar is met where its
-upper end is. A first pair warms up, is not counted, and must leave the same bits behind.
+A turn is one sample of ours and one of C, the order alternating. A sample of alfa or flow is SWEEPS sweeps over the
+fresh net; one of delete or explode is the whole scenario on a fresh net (arrays copied back; V4: built anew), explode
+after delete. The interval holds the median ratio with at least 95 % (order statistics, sign test); the bar is met
+where its upper end is. A first pair warms up, is not counted, and must leave the same bits behind.
 """
 
 import argparse
@@ -20,14 +20,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from yardstick import BY_NAME, EDITABLE, arrays, build, c_net, content
-
-from tetrabench.backends.tetra.layouts.linked_nodes import LinkedNodes
-from tetrabench.mesh import TetraMesh
-from tetrabench.mesh.models import generate
 from tetrabench.scenarios.tetra.alfa import average
 from tetrabench.scenarios.tetra.delete import delete_from_end
 from tetrabench.scenarios.tetra.flow import diffuse
+from yardstick import BY_NAME, EDITABLE, build, c_net, content
+
+from tetrabench.mesh import TetraMesh
+from tetrabench.mesh.models import generate
 from tetrabench.tetra.edit import reserve, split_many
 from tetrabench.tetra.interface import STATES, Net, tetra_refs
 from tetrabench.tetra.net import TetraNet
@@ -101,12 +100,11 @@ def measure_edits(name: str, mesh: TetraMesh, yardstick: ctypes.CDLL, turns: int
     left_behind = []
 
     def sample(side: Callable[[Net, int, int], Sample], keep: bool = False) -> Sample:
-        if isinstance(work.storage.layout, LinkedNodes):
+        if is_linked(work.storage):
             net = fresh()
         else:
             net = work
-            for source, target in zip(arrays(pristine.storage), arrays(work.storage), strict=True):
-                np.copyto(target, source)
+            copy_arrays(pristine.storage, work.storage)
         seconds = side(net.storage, deleted, split)
         if keep:
             left_behind.append(content(net.storage))
@@ -162,7 +160,7 @@ def rows(name: str, pairs: Pairs) -> Iterator[dict[str, Any]]:
 
 
 def _rank(n: int) -> int:
-    """The largest k (from 0) for which the k-th smallest and k-th largest of n hold the median with at least 95 %."""
+    """The largest k, from 0, for which the k-th smallest and largest of n hold the median with at least 95 %."""
     tail, rank = 0.0, -1
     for k in range(n // 2):
         tail += math.comb(n, k) / 2**n
@@ -175,9 +173,10 @@ def _rank(n: int) -> int:
 
 def _print(row: dict[str, Any]) -> None:
     per = SWEEPS if row["operation"] in ("alfa", "flow") else 1
+    ours, c = 1e3 * row["ours_s"] / per, 1e3 * row["c_s"] / per
     print(
-        f"{row['contestant']:<11}{row['operation']:<9}{1e3 * row['ours_s'] / per:10.2f}{1e3 * row['c_s'] / per:10.2f}"
-        f"{row['ratio']:8.3f}  [{row['low']:.3f}, {row['high']:.3f}]{row['bar']:7.2f}  {'met' if row['met'] else 'MISSED'}",
+        f"{row['contestant']:<11}{row['operation']:<9}{ours:10.2f}{c:10.2f}{row['ratio']:8.3f}"
+        f"  [{row['low']:.3f}, {row['high']:.3f}]{row['bar']:7.2f}  {'met' if row['met'] else 'MISSED'}",
         flush=True,
     )
 
@@ -194,7 +193,7 @@ def main() -> None:
     contestants = [name for name in BY_NAME if name in only or not only & set(BY_NAME)]
     operations = [name for name in BARS if name in only or not only & set(BARS)]
     mesh = generate("nozzle", options.tets, numbering=options.numbering)
-    print(f"{len(mesh.tets)} tets, {options.numbering} numbering, {options.turns} turns; ms per sweep or scenario")
+    print(f"{len(mesh.tets)} tets, {options.numbering} numbering, {options.turns} turns; ms a sweep or scenario")
     print(f"{'contestant':<11}{'':<9}{'ours':>10}{'C':>10}{'ratio':>8}  {'95 %':<14}{'bar':>7}")
     table = []
     with tempfile.TemporaryDirectory() as folder:

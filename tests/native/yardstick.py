@@ -1,7 +1,7 @@
 """The C yardsticks: build them, run them on the memory of a net, and compare what both leave behind.
 
-One shared library for each contestant, from the same source (`net.h`, `nearest.h`, `sweeps.c`, `edits.c`); C sees the
-arrays of the net where they are, V4's nodes included.
+One shared library for each contestant, from the same source (`net.h`, `nearest.h`, `sweeps.c`, `edits.c`); C sees
+the arrays of the net where they are, V4's nodes included.
 """
 
 import ctypes
@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 from numpy.lib.recfunctions import repack_fields
-
 from tetrabench.backends.tetra import CONTESTANTS
 from tetrabench.backends.tetra.layouts.linked_nodes import NODE, LinkedNodes
+
 from tetrabench.tetra.incidence import END as END_OF_LIST
 from tetrabench.tetra.interface import NONE, Net, capacity, tetra_refs
 from tetrabench.tetra.points import COUNT
@@ -35,13 +35,20 @@ MACROS = {
 EDITABLE = ("v3y", "v4", "v5y")
 """The contestants whose delete and explode have a yardstick."""
 
-COMPILER = ["gcc", "-O3", "-march=native", "-std=c11", "-shared", "-fPIC"]  # -std=c11: no fused multiply-add, as ours
+COMPILER = [
+    "gcc",
+    "-O3",
+    "-march=native",
+    "-std=c11",
+    "-shared",
+    "-fPIC",
+]  # -std=c11: no fused multiply-add, as ours
 
 _C_TYPES = {int: ctypes.c_int64, float: ctypes.c_double, ctypes.c_void_p: ctypes.c_void_p}
 
 
 def build(name: str, folder: Path) -> ctypes.CDLL:
-    """The yardstick of a contestant: its functions `alfa`, `flow`, `delete_from_end`, `explode` take a `c_net`."""
+    """The yardstick of a contestant: its `alfa`, `flow`, `delete_from_end` and `explode` take a `c_net`."""
     here, library = Path(__file__).parent, folder / f"{name}.so"
     sources = [here / "sweeps.c"] + ([here / "edits.c"] if name in EDITABLE else [])
     macros = [f"-D{macro}" for macro in MACROS[name]]
@@ -71,19 +78,29 @@ def _fields(storage: Any) -> Iterator[Any]:
             yield ctypes.c_void_p(field.ctypes.data) if isinstance(field, np.ndarray) else field
 
 
-def arrays(storage: Any) -> Iterator[np.ndarray]:
-    """Every array of a net, depth first."""
+def is_linked(net: Net) -> bool:
+    """Whether the tetras are nodes on the C heap."""
+    return isinstance(net.layout, LinkedNodes)
+
+
+def copy_arrays(source: Net, target: Net) -> None:
+    """Make one net of arrays the same as another, down to what is not in use. Both have the same room."""
+    for old, new in zip(_arrays(source), _arrays(target), strict=True):
+        np.copyto(new, old)
+
+
+def _arrays(storage: Any) -> Iterator[np.ndarray]:
     for field in storage:
         if isinstance(field, tuple):
-            yield from arrays(field)
+            yield from _arrays(field)
         elif isinstance(field, np.ndarray):
             yield field
 
 
 def content(net: Net) -> list[bytes]:
-    """All that a net holds: equal for two nets with one history, bit for bit, wherever their nodes lie on the heap."""
-    if not isinstance(net.layout, LinkedNodes):
-        return [_bits(array) for array in arrays(net)]
+    """All that a net holds, bit for bit; of linked nodes in a form that does not know where on the heap they lie."""
+    if not is_linked(net):
+        return [_bits(array) for array in _arrays(net)]
     refs = tetra_refs(net)
     order = np.argsort(refs)
 

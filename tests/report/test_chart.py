@@ -51,9 +51,7 @@ def test_where_no_bar_dwarfs_none_is_cut():
     assert cuts(axes) == 0
 
 
-@pytest.mark.parametrize(
-    ("status", "word"), [("wrong-result", "wrong"), ("crash", "crashed"), ("skipped", "skipped")]
-)
+@pytest.mark.parametrize(("status", "word"), [("wrong-result", "wrong"), ("crash", "crashed"), ("skipped", "skipped")])
 def test_no_bar_for_a_bad_cell(status: str, word: str):
     results = make_results({"flow": {"v3y": 1.0, "v4": 2.0}})
     (axes,) = panels(draw_times(results, summary(results)))
@@ -85,9 +83,7 @@ def test_axes_say_what_they_show():
 def test_caption_names_model_machine_day_and_that_it_is_provisional():
     results = make_results()
     for figure in (draw_times(results, summary(results)), draw_memory(results, summary(results))):
-        (caption,) = (
-            text.get_text() for part in figure.subfigs for text in part.texts if "tetras" in text.get_text()
-        )
+        (caption,) = (text.get_text() for part in figure.subfigs for text in part.texts if "tetras" in text.get_text())
         for fact in ("642,720 tetras", "Core2", "2011-05-01", "Provisional"):
             assert fact in caption
 
@@ -99,8 +95,7 @@ def test_a_contestant_looks_the_same_whoever_takes_part():
     looks = [(style.paint["facecolor"], style.paint["hatch"]) for style in everybody.values()]
     assert len(set(looks)) == 7
     hatches = [
-        [style.paint["hatch"] for name, style in everybody.items() if name[:2] == layout]
-        for layout in ("v3", "v5")
+        [style.paint["hatch"] for name, style in everybody.items() if name[:2] == layout] for layout in ("v3", "v5")
     ]
     assert hatches[0] == hatches[1]  # one hatch a slot policy
 

@@ -12,9 +12,7 @@ def cell(results: object, scenario: str, backend: str) -> str:
     """What stands in a cell."""
     sheet = make_sheet(results)
     place = next(
-        place
-        for place, name in enumerate(sheet.head)
-        if name.split(" ")[0].rstrip("*") == backend and place > 2
+        place for place, name in enumerate(sheet.head) if name.split(" ")[0].rstrip("*") == backend and place > 2
     )
     return next(row[place].text for row in sheet.times if row[0].text == scenario)
 
@@ -123,9 +121,7 @@ def test_fits_into_100_columns_with_seven_contestants_at_their_widest():
 def test_markdown_says_the_same():
     results = change(make_results(), "alfa", "v4", status="crash", reason="signal 11")
     sheet, text = make_sheet(results), as_markdown(results)
-    rows = [
-        line.strip("| ").split(" | ") for line in text.replace("\\", "").splitlines() if line.startswith("|")
-    ]
+    rows = [line.strip("| ").split(" | ") for line in text.replace("\\", "").splitlines() if line.startswith("|")]
     assert rows[0] == sheet.head
     assert rows[2:8] == [[cell.text for cell in row] for row in sheet.times]
     assert all(note in text for note in sheet.notes)

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 from numba import config
+from tetrabench.scenarios.tetra.alfa import average
+from tetrabench.scenarios.tetra.delete import delete_from_end
+from tetrabench.scenarios.tetra.flow import diffuse, largest_exchange
 
 from tests.oracle import OracleNet
 from tetrabench import registry
 from tetrabench.io import read_mesh, write_mesh
 from tetrabench.mesh.models import generate
-from tetrabench.scenarios.tetra.alfa import average
-from tetrabench.scenarios.tetra.delete import delete_from_end
-from tetrabench.scenarios.tetra.flow import diffuse, largest_exchange
 from tetrabench.tetra.family import FAMILY, set_initial_states
 from tetrabench.tetra.net import TetraNet
 
@@ -143,7 +143,9 @@ def test_explode_keeps_volume_surface_and_states(name, model):
     net = net_of(name, model)
     before = net.answer().figures
     chosen = net.refs[:: 3 if len(net) > 500 else 2]
-    split = {net.vertices_of(t): net.states[n] for n, t in enumerate(net.refs.tolist()) if t in set(chosen[:5].tolist())}
+    split = {
+        net.vertices_of(t): net.states[n] for n, t in enumerate(net.refs.tolist()) if t in set(chosen[:5].tolist())
+    }
     assert net.split(chosen) == 0
     after = net.answer().figures
     assert after["tetras"] == before["tetras"] + 3 * len(chosen)

@@ -4,10 +4,10 @@ import ctypes
 
 import numpy as np
 import pytest
+from tetrabench.backends.tetra.layouts.linked_nodes import NODE
 
 from tests.meshes import box
 from tetrabench import registry
-from tetrabench.backends.tetra.layouts.linked_nodes import NODE
 from tetrabench.tetra.net import TetraNet
 
 # What may hold any value: (class, field, place) -> why. Everything else has to be found.
@@ -44,7 +44,7 @@ def scalars(array):
 def rows_in_use(net, part, field):
     """A few rows that hold something that matters, per part of the net."""
     storage = net.storage
-    live = [t for t in net.refs.tolist()]
+    live = net.refs.tolist()
     points = [0, len(net.points) - 1]
     if field == "counters":
         return range(len(getattr(part, field)))

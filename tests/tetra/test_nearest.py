@@ -31,7 +31,10 @@ def test_against_linear_search(kind, rng):
 
 
 def test_no_points():
-    assert nearest_points(build_tree(np.empty((0, 3))), np.empty((0, 3)), np.zeros((2, 3))).tolist() == [-1, -1]
+    assert nearest_points(build_tree(np.empty((0, 3))), np.empty((0, 3)), np.zeros((2, 3))).tolist() == [
+        -1,
+        -1,
+    ]
 
 
 @pytest.mark.parametrize("order", ["random", "sorted"])

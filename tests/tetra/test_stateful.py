@@ -97,7 +97,10 @@ class AllTogether(RuleBasedStateMachine):
             states[net.refs == self.refs[name][t]] = values
             net.states = states
 
-    @rule(point=st.tuples(COORDINATE, COORDINATE, COORDINATE), method=st.sampled_from(["walk", "source", "brute"]))
+    @rule(
+        point=st.tuples(COORDINATE, COORDINATE, COORDINATE),
+        method=st.sampled_from(["walk", "source", "brute"]),
+    )
     def locate(self, point, method):
         depth = {t: self.oracle.share_inside(t, point) for t in self.oracle.tetras}
         for name, net in self.nets.items():

@@ -18,9 +18,7 @@ class Agenda:
     def __init__(self, plan: Plan) -> None:
         self._reference = plan.reference
         self._left: dict[_Cell, int] = {
-            (task.scenario, backend.name): plan.effort.rounds
-            for task in plan.tasks
-            for backend in plan.backends
+            (task.scenario, backend.name): plan.effort.rounds for task in plan.tasks for backend in plan.backends
         }
         self._costs: dict[_Cell, list[float]] = {}
         self.done = 0

@@ -37,9 +37,7 @@ def _mark(sample: Sample, right: Sample | None, samples: list[Sample]) -> Sample
     if sample.status != "ok" or (right is not None and sample.digest == right.digest):
         return sample
     if right is None:
-        digests = {
-            one.backend: one.digest for one in samples if one.scenario == sample.scenario and one.digest
-        }
+        digests = {one.backend: one.digest for one in samples if one.scenario == sample.scenario and one.digest}
         said = ", ".join(f"{backend} {digest}" for backend, digest in digests.items())
         reason = f"no answer has a majority: {said}"
     else:

@@ -22,6 +22,4 @@ def load_results(path: str | Path) -> "pandas.DataFrame":
     import pandas
 
     samples = read_results(Path(path)).samples
-    return pandas.DataFrame(
-        [msgspec.structs.asdict(sample) for sample in samples], columns=Sample.__struct_fields__
-    )
+    return pandas.DataFrame([msgspec.structs.asdict(sample) for sample in samples], columns=Sample.__struct_fields__)

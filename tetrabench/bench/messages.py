@@ -35,9 +35,10 @@ class Measure(msgspec.Struct, frozen=True, tag=True):
 
 
 class Done(msgspec.Struct, frozen=True, tag=True):
-    """It took so long: wall time in seconds."""
+    """It took so long: wall time in seconds. `compiled`: kernels that were in no cache."""
 
     wall_s: float
+    compiled: int = 0
 
 
 class Loaded(msgspec.Struct, frozen=True, tag=True):

@@ -117,9 +117,7 @@ def make_plan(
     if reference is None:
         reference = kind.reference if kind.reference in names else next(iter(names), "")
     if reference not in names:
-        raise InputError(
-            f"the reference '{reference}' is not among the backends: {', '.join(names) or 'none'}"
-        )
+        raise InputError(f"the reference '{reference}' is not among the backends: {', '.join(names) or 'none'}")
     tasks = tuple(
         Task(scenario.name, dict(scenario.thesis if thesis else scenario.options))
         for scenario in _choose_scenarios(kind, scenarios, thesis)
@@ -159,9 +157,7 @@ def _choose_scenarios(family: Family, names: Sequence[str] | None, thesis: bool)
     if thesis:
         others = [scenario.name for scenario in chosen if scenario.name not in family.thesis_order]
         if names is not None and others:
-            raise InputError(
-                f"not in the thesis: {', '.join(others)}; it has: {', '.join(family.thesis_order)}"
-            )
+            raise InputError(f"not in the thesis: {', '.join(others)}; it has: {', '.join(family.thesis_order)}")
         wanted = {scenario.name: scenario for scenario in chosen}
         chosen = [wanted[name] for name in family.thesis_order if name in wanted]
     if not chosen:

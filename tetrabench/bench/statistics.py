@@ -106,9 +106,7 @@ def _paired_ratios(cell: list[Sample], reference: list[Sample], shortest_s: floa
         return []
     by_round = {sample.round: sample.cpu_s for sample in reference}
     pairs = [(sample.cpu_s, by_round.get(sample.round)) for sample in cell]
-    return [
-        max(own, shortest_s) / max(other, shortest_s) for own, other in pairs if own is not None and other
-    ]
+    return [max(own, shortest_s) / max(other, shortest_s) for own, other in pairs if own is not None and other]
 
 
 def _verdict(cell: list[Sample], reference: list[Sample], is_reference: bool) -> str:

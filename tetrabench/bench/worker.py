@@ -33,6 +33,7 @@ from tetrabench.bench.messages import (
     encode,
 )
 from tetrabench.errors import InputError, TetrabenchError
+from tetrabench.jit import count_compiled
 from tetrabench.protocols import Contestant, Family, Options, Scenario, Stage
 
 
@@ -66,8 +67,11 @@ class Worker:
             case Warm():
                 if self._stage is None:
                     self._set_stage(self._family.small_model())
+                compiled = count_compiled()
                 reply = self._measure(request.scenario, request.options)
-                return reply if isinstance(reply, Skipped) else Done(perf_counter() - start)
+                if isinstance(reply, Skipped):
+                    return reply
+                return Done(perf_counter() - start, count_compiled() - compiled)
             case Load():
                 stage = self._set_stage(Path(request.model))
                 return Loaded(_integers(stage.model_size()), _structure(stage))

@@ -261,8 +261,8 @@ def first_repeated(ids: Integers) -> int | None:
     return int(again.min()) if again.size else None
 
 
-# Kernels that are called for each line have one way out: numba then needs no reference counts of their arrays, which cost
-# more than the work.
+# Kernels that are called for each line have one way out: numba then does without reference counts of their
+# arrays, which cost more than the work.
 
 
 @kernel
@@ -276,7 +276,8 @@ def scan(text: Bytes, deck: Deck) -> tuple[int, bool]:
     point_ids, point_places, coordinates = deck.point_ids, deck.point_places, deck.points
     tet_ids, tet_places, corners = deck.tet_ids, deck.tet_places, deck.tets
     skipped_names, hard_numbers, fields, wrong = deck.skipped, deck.hard, deck.fields, deck.wrong
-    position = points = tets = skipped = hard = np.int64(0)  # a plain 0 would make numba compile twice
+    zero = int(np.int64(0))  # a literal would make numba compile the kernels below once more
+    position, points, tets, skipped, hard = zero, zero, zero, zero, zero
     last, reason, ended = NOTHING, 0, False
     while position < text.size and reason == 0 and not ended:
         wrong[0] = wrong[1] = place = position

@@ -72,6 +72,11 @@ def kernels() -> Iterator[Any]:
     return iter(_KERNELS)
 
 
+def count_compiled() -> int:
+    """How many kernels this process has compiled, rather than found in the cache."""
+    return sum(sum(compiled.stats.cache_misses.values()) for compiled in _KERNELS)
+
+
 def cache_root() -> Path:
     """The folder of all caches of the user: kernels, and generated models."""
     return Path(os.environ.get("TETRABENCH_CACHE") or user_cache_path(_HARNESS))

@@ -114,9 +114,7 @@ def build_nozzle(wanted: int) -> Regular:
     # depends on its two columns of points alone, so neighbours agree.
     a, b, c = np.sort(triangles, axis=1).T
     up = len(disc)
-    prism = np.stack([[a, b, c, c + up], [a, b, c + up, b + up], [a, a + up, b + up, c + up]]).transpose(
-        2, 0, 1
-    )
+    prism = np.stack([[a, b, c, c + up], [a, b, c + up, b + up], [a, a + up, b + up, c + up]]).transpose(2, 0, 1)
     # Sorting may have turned a triangle over, and its prism inside out.
     ab, ac = disc[b] - disc[a], disc[c] - disc[a]
     turned = ab[:, 0] * ac[:, 1] < ab[:, 1] * ac[:, 0]
@@ -220,9 +218,7 @@ def nearest(
 MODELS = {
     model.name: model
     for model in (
-        Model(
-            "nozzle", "converging-diverging nozzle, curved wall, round cross-section", 642_700, build_nozzle
-        ),
+        Model("nozzle", "converging-diverging nozzle, curved wall, round cross-section", 642_700, build_nozzle),
         Model("box", "box of jittered cubes, six tetras each", 100_000, build_box),
     )
 }

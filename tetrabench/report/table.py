@@ -19,9 +19,7 @@ from tetrabench.bench.statistics import SHORTEST_S, Row, summary
 from tetrabench.report.memory import bytes_per_item, peak_bytes
 from tetrabench.report.units import digits, duration, singular, times
 
-PROVISIONAL = (
-    "Provisional: medians of paired ratios without intervals; differences under 25 % are not ranked."
-)
+PROVISIONAL = "Provisional: medians of paired ratios without intervals; differences under 25 % are not ranked."
 
 WIDTH = 100
 

@@ -81,7 +81,7 @@ def _visit(net: Net, refs: Any) -> int:
 
 
 @kernel
-def _known(refs: Any, t: int) -> bool:
+def _known(refs: Any, t: int) -> Any:
     place = np.searchsorted(refs, t)
     return place < len(refs) and refs[place] == t
 
@@ -218,7 +218,11 @@ def _check_tree(net: Net, faults: Any) -> None:
         return
     held, reached = np.zeros(points, np.bool_), np.zeros(points, np.bool_)
     # nodes that wait, each with its depth and the box that the nodes above leave it
-    places, depths, boxes = np.empty(count + 1, np.int64), np.empty(count + 1, np.int64), np.empty((count + 1, 6))
+    places, depths, boxes = (
+        np.empty(count + 1, np.int64),
+        np.empty(count + 1, np.int64),
+        np.empty((count + 1, 6)),
+    )
     places[0], depths[0] = net.tree.counters[ROOT], 1
     boxes[0, :3], boxes[0, 3:] = -np.inf, np.inf
     height, visited, deepest = 1, 0, 0

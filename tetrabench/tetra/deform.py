@@ -41,7 +41,12 @@ def _move(net: Net, moved: Any, has_moved: Any) -> int:
     cursor = first_tetra(net)
     while cursor.tetra != NONE:
         t = cursor.tetra
-        if has_moved[vertex(net, t, 0)] or has_moved[vertex(net, t, 1)] or has_moved[vertex(net, t, 2)] or has_moved[vertex(net, t, 3)]:
+        if (
+            has_moved[vertex(net, t, 0)]
+            or has_moved[vertex(net, t, 1)]
+            or has_moved[vertex(net, t, 2)]
+            or has_moved[vertex(net, t, 3)]
+        ):
             set_geometry(net, t)
             touched += 1
         cursor = next_tetra(net, cursor)

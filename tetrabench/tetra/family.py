@@ -112,7 +112,11 @@ def _set_initial_states(net: Net) -> None:
     cursor = first_tetra(net)
     while cursor.tetra != NONE:
         t = cursor.tetra
-        x, y, z = centroid(net, t, 0) / diagonal, centroid(net, t, 1) / diagonal, centroid(net, t, 2) / diagonal
+        x, y, z = (
+            centroid(net, t, 0) / diagonal,
+            centroid(net, t, 1) / diagonal,
+            centroid(net, t, 2) / diagonal,
+        )
         set_state(net, t, 0, 0.5 + 0.5 * np.sin(3.0 * x) * np.cos(2.0 * y) * np.sin(1.7 * z + 0.3))
         for k in range(1, STATES):
             set_state(net, t, k, 0.0)

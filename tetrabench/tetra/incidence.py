@@ -82,13 +82,13 @@ def remove_incidence(incidence: Incidence, point: int, t: int) -> bool:
 
 
 @kernel
-def first_around(incidence: Incidence, point: int) -> int:
+def first_around(incidence: Incidence, point: int) -> Any:
     """The first entry of a point's list, END where there is none."""
     return np.int64(incidence.heads[point])
 
 
 @kernel
-def next_around(incidence: Incidence, place: int) -> int:
+def next_around(incidence: Incidence, place: int) -> Any:
     """The entry after this one, or END."""
     return np.int64(incidence.entries[place]["next"])
 

@@ -95,7 +95,7 @@ def is_inside(net: Net, t: int, x: float, y: float, z: float) -> bool:
 
 
 @kernel
-def _farthest_behind(net: Net, t: int, x: float, y: float, z: float) -> int:
+def _farthest_behind(net: Net, t: int, x: float, y: float, z: float) -> Any:
     """The side of t that the point is farthest behind (by signed volume), NONE if the point is inside."""
     xyz = net.points.xyz
     p0, p1, p2, p3 = vertex(net, t, 0), vertex(net, t, 1), vertex(net, t, 2), vertex(net, t, 3)
@@ -166,7 +166,7 @@ def _ask_as_the_source(net: Net, queries: Any, refs: Any) -> None:
 
 
 @kernel
-def _around(net: Net, point: int, x: float, y: float, z: float) -> int:
+def _around(net: Net, point: int, x: float, y: float, z: float) -> Any:
     """The tetra among those around a point, then among their side neighbours."""
     place = first_around(net.incidence, point)
     while place != END:
@@ -193,7 +193,7 @@ def _ask_every_tetra(net: Net, queries: Any, refs: Any) -> None:
 
 
 @kernel
-def _first_that_holds(net: Net, x: float, y: float, z: float) -> int:
+def _first_that_holds(net: Net, x: float, y: float, z: float) -> Any:
     cursor = first_tetra(net)
     while cursor.tetra != NONE:
         if is_inside(net, cursor.tetra, x, y, z):

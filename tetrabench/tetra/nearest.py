@@ -78,9 +78,10 @@ def make_stack() -> Any:
 
 
 @kernel
-def nearest_point(tree: Tree, x: float, y: float, z: float, stack: Any) -> tuple[int, float]:
+def nearest_point(tree: Tree, x: float, y: float, z: float, stack: Any) -> tuple[Any, float]:
     """The point nearest to (x, y, z) and the square of its distance; (-1, inf) in an empty tree."""
-    best, best_distance = np.int64(NOTHING), np.inf
+    best: Any = np.int64(NOTHING)
+    best_distance = np.inf
     height = 0
     if tree.counters[ROOT] != NOTHING:
         stack[0, 0] = stack[0, 1] = stack[0, 2] = stack[0, 3] = 0.0
@@ -105,7 +106,7 @@ def nearest_point(tree: Tree, x: float, y: float, z: float, stack: Any) -> tuple
             near, far = np.int64(node["left"]), np.int64(node["right"])
             if beyond >= 0.0:
                 near, far = far, near
-            following = axis + 1 if axis < 2 else 0
+            following: Any = axis + 1 if axis < 2 else 0
             far_distance = cell_distance - away * away + beyond * beyond
             if far != NOTHING and far_distance < best_distance:
                 stack[height, 0] = far_distance

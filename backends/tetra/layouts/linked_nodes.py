@@ -1,4 +1,4 @@
-"""Linked nodes (V4): each tetra an allocation of its own, reached by a real pointer. Source: thesis, 4.4, variant 4.
+"""Linked nodes (V4): each tetra an allocation of its own, reached by a real pointer. Source: thesis, 4.4.4.
 
 The record of `records.py` with 64-bit neighbours and two links, 264 bytes on the C heap; a ref is its address. Pointer
 chasing is what this layout is for, so nothing here may be an index.
@@ -28,7 +28,7 @@ NODE = np.dtype(
 )
 """All fields of one tetra, as a C struct: 264 bytes."""
 
-_OFFSETS = [NODE.fields[name][1] for name in NODE.names]
+_OFFSETS = [offset for _, offset, *_ in (NODE.fields or {}).values()]
 VERTEX, NEIGHBOUR, VOLUME, CENTROID, SIDE_AREA, SIDE_NORMAL, STATE, NEXT, PREVIOUS = _OFFSETS
 
 UNLIMITED = 2**40

@@ -1,4 +1,4 @@
-"""Property arrays (V3, V3X, V3Y): one contiguous array per field. Source: thesis, section 4.4, variant 3."""
+"""Property arrays (V3, V3X, V3Y): one contiguous array per field. Source: thesis, 4.4.1."""
 
 from typing import NamedTuple
 

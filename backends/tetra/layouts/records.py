@@ -1,4 +1,4 @@
-"""Array of records (V5, V5X, V5Y): one 232-byte struct per slot. Source: thesis, section 4.4, variant 5."""
+"""Array of records (V5, V5X, V5Y): one 232-byte struct per slot. Source: thesis, 4.4.5."""
 
 from typing import NamedTuple
 

@@ -1,14 +1,14 @@
 """Chain (V4): the nodes themselves are the doubly linked list; there are no holes to find, skip or fill.
 
-Insert links a fresh node at the tail, delete unlinks and frees one. Source: thesis, section 4.4, variant 4.
+Insert links a fresh node at the tail, delete unlinks and frees one. Source: thesis, 4.4.4.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-
 from tetrabench.backends.tetra.layouts.linked_nodes import NEXT, PREVIOUS, LinkedNodes
+
 from tetrabench.jit import heap, implements
 from tetrabench.jit.heap import load, store
 from tetrabench.tetra import interface

@@ -1,6 +1,6 @@
 """Flag and list (V3Y, V5Y): a negative volume for iteration, and an unsorted list of holes, last in, first out.
 
-O(1) both ways. Source: thesis, section 4.4, variants 3Y and 5Y. The end falls over free slots when the last tetra goes;
+O(1) both ways. Source: thesis, 4.4.3 and 4.4.7. The end falls over free slots when the last tetra goes;
 what the list still says of slots beyond the end is discarded when it is met.
 """
 
@@ -73,7 +73,7 @@ def last_tetra(net):
 
 @implements(interface.is_live, FlagList)
 def is_live(net, t):
-    return 0 <= t and t < net.slots.counters[END] and volume(net, t) >= 0.0
+    return t >= 0 and t < net.slots.counters[END] and volume(net, t) >= 0.0
 
 
 @implements(interface.take_slot, FlagList)
@@ -115,7 +115,7 @@ def slot_faults(net):
     listed = np.zeros(end, np.bool_)
     for place in range(counters[HOLES]):
         hole = net.slots.holes[place]
-        if 0 <= hole and hole < end:
+        if hole >= 0 and hole < end:
             if listed[hole] or volume(net, hole) >= 0.0:
                 faults += 1  # listed twice, or no hole
             listed[hole] = True

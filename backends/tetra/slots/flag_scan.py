@@ -1,7 +1,7 @@
 """Flag and scan (V3X, V5X): a free slot has a negative volume; one variable remembers the first free slot.
 
 Insert takes it, then scans the volumes for the next, in the worst case all of them; delete is O(1); iteration tests each
-volume. Source: thesis, section 4.4, variants 3X and 5X. The end falls over free slots when the last tetra goes.
+volume. Source: thesis, 4.4.2 and 4.4.6. The end falls over free slots when the last tetra goes.
 """
 
 from typing import NamedTuple
@@ -69,7 +69,7 @@ def last_tetra(net):
 
 @implements(interface.is_live, FlagScan)
 def is_live(net, t):
-    return 0 <= t and t < net.slots.counters[END] and volume(net, t) >= 0.0
+    return t >= 0 and t < net.slots.counters[END] and volume(net, t) >= 0.0
 
 
 @implements(interface.take_slot, FlagScan)

@@ -1,7 +1,7 @@
 """Sorted list of holes (V3, V5): singly linked, in increasing order; its last element is the end of the net.
 
 Insert takes the first element; delete walks the list to the right place, O(holes); iteration advances the index and the
-list in parallel. Source: thesis, section 4.4, variants 3 and 5. Holes that touch the end are dropped from the list.
+list in parallel. Source: thesis, 4.4.1 and 4.4.5. Holes that touch the end are dropped from the list.
 """
 
 from typing import NamedTuple
@@ -90,7 +90,7 @@ def is_live(net, t):
     hole = net.slots.counters[FIRST]
     while elements[hole, SLOT] < t and elements[hole, NEXT] != NOWHERE:
         hole = np.int64(elements[hole, NEXT])
-    return 0 <= t and t < elements[hole, SLOT]
+    return t >= 0 and t < elements[hole, SLOT]
 
 
 @implements(interface.take_slot, SortedList)
@@ -152,7 +152,7 @@ def slot_faults(net):
     seen = np.zeros(len(elements), np.bool_)
     holes, faults, before = 0, 0, -1
     place = counters[FIRST]
-    while 0 <= place and place < len(elements) and not seen[place]:
+    while place >= 0 and place < len(elements) and not seen[place]:
         seen[place] = True
         if elements[place, SLOT] <= before:
             faults += 1  # out of order
@@ -168,7 +168,7 @@ def slot_faults(net):
     if counters[LIVE] + holes != elements[counters[LAST], SLOT]:
         faults += 1
     spare, spares = counters[SPARE], 0
-    while 0 <= spare and spare < len(elements) and not seen[spare]:
+    while spare >= 0 and spare < len(elements) and not seen[spare]:
         seen[spare] = True
         spares += 1
         spare = np.int64(elements[spare, NEXT])

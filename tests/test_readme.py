@@ -1,0 +1,54 @@
+"""README.md says what is true: its table is that of the committed run, and its examples run."""
+
+import re
+import sys
+from pathlib import Path
+
+import pytest
+from numba import config
+
+from tetrabench.io import write_mesh
+from tetrabench.mesh.models import generate
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text()
+
+
+def test_the_table_is_that_of_the_committed_run():
+    sys.path.insert(0, str(ROOT / "results"))
+    try:
+        import regenerate
+    finally:
+        sys.path.pop(0)
+    assert regenerate.shown() == regenerate.table()
+    for picture in re.findall(r"!\[.*?\]\((.*?)\)", README):
+        assert (ROOT / picture).is_file()
+
+
+@pytest.mark.skipif(bool(config.DISABLE_JIT), reason="compiled examples")
+def test_the_examples_run(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    write_mesh(generate("nozzle", 5000), tmp_path / "nozzle.nas")
+    # a kernel is cached by its file, so the examples become one
+    (tmp_path / "examples.py").write_text("\n".join(re.findall(r"```python\n(.*?)```", README, re.DOTALL)))
+    monkeypatch.syspath_prepend(tmp_path)
+    import examples
+
+    assert examples.inside[1] == -1
+    assert capsys.readouterr().out.startswith("0.")
+    assert examples.largest_volume(examples.net.storage) == examples.net.volumes.max()
+
+
+def test_the_table_of_contestants():
+    """The two axes, as README shows them, are those of the code."""
+    from tetrabench import registry
+
+    rows = [line.split("|") for line in README.splitlines() if line.startswith(("| **", "| |"))]
+    policies = [cell.strip() for cell in rows[0][2:-1]]
+    shown = {
+        cell.strip(): (row[1].split("**")[1], policy)
+        for row in rows[1:]
+        for cell, policy in zip(row[2:-1], policies, strict=True)
+        if cell.strip()
+    }
+    assert shown == {c.name: (c.layout, c.slots) for c in registry.contestants("tetra") if not c.extension}
