@@ -62,7 +62,7 @@ class Alfa(TetraScenario):
         return Work(visits, "tetra visits", visits * SWEEP_BYTES)
 
 
-@kernel
+@kernel(allocates=False)
 def average(net: Net, sweeps: int) -> None:
     """Sweep `sweeps` times: state 0 -> state 1, then copied back."""
     for _ in range(sweeps):
@@ -79,7 +79,7 @@ def average(net: Net, sweeps: int) -> None:
         copy_back(net)
 
 
-@kernel
+@kernel(allocates=False)
 def copy_back(net: Net) -> None:
     """State 1 -> state 0, everywhere."""
     cursor = first_tetra(net)

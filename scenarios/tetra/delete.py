@@ -43,7 +43,7 @@ class Delete(TetraScenario):
         return Work(deletion.wanted, "deletions")
 
 
-@kernel
+@kernel(allocates=False)
 def delete_from_end(net: Net, count: int) -> None:
     """Delete `count` tetras, beginning with the last one, from neighbour to neighbour."""
     t = NONE

@@ -72,7 +72,7 @@ class Flow(TetraScenario):
         return Work(visits, "tetra visits", visits * SWEEP_BYTES)
 
 
-@kernel
+@kernel(allocates=False)
 def diffuse(net: Net, sweeps: int, step: float) -> None:
     """Sweep `sweeps` times: state 0 -> state 1, then copied back."""
     for _ in range(sweeps):
@@ -93,7 +93,7 @@ def diffuse(net: Net, sweeps: int, step: float) -> None:
         copy_back(net)
 
 
-@kernel
+@kernel(allocates=False)
 def largest_exchange(net: Net) -> float:
     """Max over the tetras of the sum of k S_i^2 / (V_a + V_n); its inverse bounds the step of time."""
     largest = 0.0

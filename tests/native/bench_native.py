@@ -23,7 +23,7 @@ import numpy as np
 from tetrabench.scenarios.tetra.alfa import average
 from tetrabench.scenarios.tetra.delete import delete_from_end
 from tetrabench.scenarios.tetra.flow import diffuse
-from yardstick import BY_NAME, EDITABLE, build, c_net, content
+from yardstick import BY_NAME, EDITABLE, build, c_net, content, copy_arrays, is_linked
 
 from tetrabench.mesh import TetraMesh
 from tetrabench.mesh.models import generate

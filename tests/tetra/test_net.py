@@ -3,6 +3,7 @@
 import copy
 import gc
 import pickle
+import weakref
 
 import numpy as np
 import pytest
@@ -202,3 +203,16 @@ def parts(signature):
         if getattr(argument, "fields", ())[:2] == ("layout", "slots"):
             return tuple(kind.instance_class.__name__ for kind in argument.types[:2])
     return None
+
+
+def test_a_refused_edit_keeps_nothing_alive(build):
+    """An exception in a kernel that counts references would keep the whole net in memory for good."""
+    net = build(box())
+    arrays = [weakref.ref(array) for part in net.storage for array in part if isinstance(array, np.ndarray)]
+    for bad in [(0, 1, 2, 2), (0, 1, 2, 10**6), net.vertices_of(net.last)]:
+        with pytest.raises(InputError):
+            net.insert(*bad)
+    net.close()
+    gc.collect()
+    assert arrays
+    assert [array for array in arrays if array() is not None] == []

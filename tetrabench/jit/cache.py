@@ -44,13 +44,21 @@ _LIBRARY = tuple(f"{_HARNESS}.{layer}" for layer in ("mesh", "io", "tetra"))  # 
 _KERNELS: list[Any] = []  # every dispatcher that `kernel` made, for tests and for counting
 
 
-def kernel(function: Callable[..., Any]) -> Any:
+def kernel(function: Callable[..., Any] | None = None, *, allocates: bool = True) -> Any:
     """Compile `function` on first call, through the project's cache.
 
     The function must also run as plain Python (NUMBA_DISABLE_JIT=1). Divisions follow IEEE 754 (`1.0 / 0.0` is inf,
     no exception), and no fast-math flag is ever set: answers are compared bit by bit.
+
+    Args:
+        function: what to compile.
+        allocates: False promises that the function makes no array, and gets none from what it calls. Then numba
+            counts no references in it: a count is an atomic operation on every array of the net, at worst at each
+            step of a sweep, and one that an exception leaves behind keeps the whole net in memory for good.
     """
-    compiled = njit(error_model="numpy")(function)
+    if function is None:
+        return functools.partial(kernel, allocates=allocates)
+    compiled = njit(error_model="numpy", _nrt=allocates)(function)
     if compiled is function:  # the JIT is off
         return function
     cache = _Cache(function)

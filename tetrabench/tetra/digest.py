@@ -70,7 +70,7 @@ def mix_exactly(z: int) -> int:
     return z ^ (z >> 31)
 
 
-@kernel
+@kernel(allocates=False)
 def mix(z: Any) -> Any:
     """Scramble 64 bits, one to one."""
     z ^= z >> np.uint64(30)
@@ -80,7 +80,7 @@ def mix(z: Any) -> Any:
     return z ^ (z >> np.uint64(31))
 
 
-@kernel
+@kernel(allocates=False)
 def mix_vertices(net: Net, t: int, h: Any) -> Any:
     """Mix the four vertex ids of tetra t, in rising order, into h."""
     a, b, c, d = vertex(net, t, 0), vertex(net, t, 1), vertex(net, t, 2), vertex(net, t, 3)

@@ -83,7 +83,7 @@ def _enough(have: int, wanted: int) -> int:
     return have if wanted <= have else max(wanted, have + max(have // 4, 1024))
 
 
-@kernel
+@kernel(allocates=False)
 def insert_point(net: Net, x: float, y: float, z: float, stack: Any) -> int:
     """The ref of the point at (x, y, z): of an existing one within SAME_POINT of the net's size, else of a new one.
 
@@ -100,7 +100,7 @@ def insert_point(net: Net, x: float, y: float, z: float, stack: Any) -> int:
     return point
 
 
-@kernel
+@kernel(allocates=False)
 def insert_tetra(net: Net, a: int, b: int, c: int, d: int) -> int:
     """Insert the tetra of four points; its neighbours are found among the tetras around two of them. States are 0.
 
@@ -172,7 +172,7 @@ def insert_tetra(net: Net, a: int, b: int, c: int, d: int) -> int:
     return t
 
 
-@kernel
+@kernel(allocates=False)
 def delete_tetra(net: Net, t: int) -> None:
     """Delete tetra t: its neighbours lose a neighbour, its points a tetra; the points stay.
 
@@ -200,13 +200,11 @@ def split_many(net: Net, refs: NDArray[np.int64]) -> tuple[Net, int]:
     on with and how many were skipped.
     """
     net = reserve(net, 3 * len(refs) + 1, len(refs))
-    return net, _split_all(net, refs)
+    return net, _split_all(net, refs, make_stack(), np.empty(STATES))
 
 
-@kernel
-def _split_all(net: Net, refs: Any) -> int:
-    stack = make_stack()
-    states = np.empty(STATES)
+@kernel(allocates=False)
+def _split_all(net: Net, refs: Any, stack: Any, states: Any) -> int:
     skipped = 0
     for t in refs:
         points = net.points.counters[COUNT]
@@ -231,19 +229,19 @@ def _split_all(net: Net, refs: Any) -> int:
     return skipped
 
 
-@kernel
+@kernel(allocates=False)
 def _check_editable(net: Net) -> None:
     if net.points.counters[STALE] != 0:
         raise ValueError("this storage was outgrown: go on with the net that reserve returned")
 
 
-@kernel
+@kernel(allocates=False)
 def _check_free(net: Net, u: int, side: int, found: int) -> None:
     if found != NONE or neighbour(net, u, side) != NONE:
         raise ValueError("two tetras share that side already")
 
 
-@kernel
+@kernel(allocates=False)
 def _join(net: Net, t: int, i: int, u: int, j: int) -> None:
     set_neighbour(net, t, i, u)
     if u != NONE:

@@ -106,7 +106,7 @@ def set_initial_states(net: TetraNet) -> None:
     _set_initial_states(net.storage)
 
 
-@kernel
+@kernel(allocates=False)
 def _set_initial_states(net: Net) -> None:
     diagonal = net.points.diagonal
     cursor = first_tetra(net)

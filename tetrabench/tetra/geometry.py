@@ -16,7 +16,7 @@ from tetrabench.tetra.interface import (
 )
 
 
-@kernel
+@kernel(allocates=False)
 def set_geometry(net: Net, t: int) -> None:
     """Compute and store the static data of tetra t, whose vertices are stored already."""
     xyz = net.points.xyz
@@ -30,7 +30,7 @@ def set_geometry(net: Net, t: int) -> None:
     _set_side(net, t, 3, side_geometry(xyz, p0, p1, p2, p3))
 
 
-@kernel
+@kernel(allocates=False)
 def signed_volume(xyz: Any, p0: int, p1: int, p2: int, p3: int) -> float:
     """(p1 - p0) . ((p2 - p0) x (p3 - p0)) / 6: positive where p1, p2, p3 run counter-clockwise seen from p0's far side."""
     ax, ay, az = xyz[p1, 0] - xyz[p0, 0], xyz[p1, 1] - xyz[p0, 1], xyz[p1, 2] - xyz[p0, 2]
@@ -39,7 +39,7 @@ def signed_volume(xyz: Any, p0: int, p1: int, p2: int, p3: int) -> float:
     return (ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)) / 6.0
 
 
-@kernel
+@kernel(allocates=False)
 def side_geometry(xyz: Any, a: int, b: int, c: int, opposite: int) -> tuple[float, float, float, float]:
     """Area and outward unit normal of the side (a, b, c): half the cross product, turned away from the opposite vertex."""
     ux, uy, uz = xyz[b, 0] - xyz[a, 0], xyz[b, 1] - xyz[a, 1], xyz[b, 2] - xyz[a, 2]

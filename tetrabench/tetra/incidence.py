@@ -46,7 +46,7 @@ def grown_incidence(incidence: Incidence, points: int, tetras: int) -> Incidence
     return Incidence(heads, entries, incidence.counters.copy())
 
 
-@kernel
+@kernel(allocates=False)
 def add_incidence(incidence: Incidence, point: int, t: int) -> None:
     """Put tetra t at the front of a point's list; the room was made before."""
     place = incidence.counters[FREE]
@@ -61,7 +61,7 @@ def add_incidence(incidence: Incidence, point: int, t: int) -> None:
     incidence.heads[point] = place
 
 
-@kernel
+@kernel(allocates=False)
 def remove_incidence(incidence: Incidence, point: int, t: int) -> bool:
     """Take tetra t out of a point's list; False, and nothing changed, where it is not in it."""
     before = np.int64(END)
@@ -81,19 +81,19 @@ def remove_incidence(incidence: Incidence, point: int, t: int) -> bool:
     return True
 
 
-@kernel
+@kernel(allocates=False)
 def first_around(incidence: Incidence, point: int) -> Any:
     """The first entry of a point's list, END where there is none."""
     return np.int64(incidence.heads[point])
 
 
-@kernel
+@kernel(allocates=False)
 def next_around(incidence: Incidence, place: int) -> Any:
     """The entry after this one, or END."""
     return np.int64(incidence.entries[place]["next"])
 
 
-@kernel
+@kernel(allocates=False)
 def ref_around(incidence: Incidence, place: int) -> Any:
     """The tetra of an entry, int64."""
     return np.int64(incidence.entries[place]["ref"])

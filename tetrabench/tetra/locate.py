@@ -88,13 +88,13 @@ def locate(
     return refs, grid
 
 
-@kernel
+@kernel(allocates=False)
 def is_inside(net: Net, t: int, x: float, y: float, z: float) -> bool:
     """Whether (x, y, z) lies in tetra t or on its surface."""
     return _farthest_behind(net, t, x, y, z) == NONE
 
 
-@kernel
+@kernel(allocates=False)
 def _farthest_behind(net: Net, t: int, x: float, y: float, z: float) -> Any:
     """The side of t that the point is farthest behind (by signed volume), NONE if the point is inside."""
     xyz = net.points.xyz
@@ -118,7 +118,7 @@ def _farthest_behind(net: Net, t: int, x: float, y: float, z: float) -> Any:
     return side
 
 
-@kernel
+@kernel(allocates=False)
 def _volume_with(xyz: Any, a: int, b: int, c: int, x: float, y: float, z: float) -> float:
     """Signed volume of the tetra of three points of the net and (x, y, z)."""
     ax, ay, az = xyz[a, 0] - x, xyz[a, 1] - y, xyz[a, 2] - z
@@ -165,7 +165,7 @@ def _ask_as_the_source(net: Net, queries: Any, refs: Any) -> None:
             refs[q] = _first_that_holds(net, x, y, z)
 
 
-@kernel
+@kernel(allocates=False)
 def _around(net: Net, point: int, x: float, y: float, z: float) -> Any:
     """The tetra among those around a point, then among their side neighbours."""
     place = first_around(net.incidence, point)
@@ -186,13 +186,13 @@ def _around(net: Net, point: int, x: float, y: float, z: float) -> Any:
     return NONE
 
 
-@kernel
+@kernel(allocates=False)
 def _ask_every_tetra(net: Net, queries: Any, refs: Any) -> None:
     for q in range(len(queries)):
         refs[q] = _first_that_holds(net, queries[q, 0], queries[q, 1], queries[q, 2])
 
 
-@kernel
+@kernel(allocates=False)
 def _first_that_holds(net: Net, x: float, y: float, z: float) -> Any:
     cursor = first_tetra(net)
     while cursor.tetra != NONE:
@@ -221,7 +221,7 @@ def build_grid(net: Net) -> Grid:
     return grid
 
 
-@kernel
+@kernel(allocates=False)
 def _bounds(net: Net, low: Any, high: Any) -> None:
     """Bounding box of the live tetras."""
     low[:], high[:] = np.inf, -np.inf
@@ -260,13 +260,13 @@ def _enter(net: Net, grid: Grid, count: bool) -> None:
         cursor = next_tetra(net, cursor)
 
 
-@kernel
+@kernel(allocates=False)
 def _cell(grid: Grid, value: float, k: int) -> int:
     cell = np.int64(np.floor((value - grid.low[k]) / grid.cell[k]))
     return min(max(cell, 0), grid.shape[k] - 1)
 
 
-@kernel
+@kernel(allocates=False)
 def _ask_grid(net: Net, grid: Grid, queries: Any, refs: Any) -> None:
     for q in range(len(queries)):
         if refs[q] != UNDECIDED:

@@ -77,7 +77,7 @@ def make_stack() -> Any:
     return np.empty((_DEEPEST, 6), np.float64)
 
 
-@kernel
+@kernel(allocates=False)
 def nearest_point(tree: Tree, x: float, y: float, z: float, stack: Any) -> tuple[Any, float]:
     """The point nearest to (x, y, z) and the square of its distance; (-1, inf) in an empty tree."""
     best: Any = np.int64(NOTHING)
@@ -119,7 +119,7 @@ def nearest_point(tree: Tree, x: float, y: float, z: float, stack: Any) -> tuple
     return best, best_distance
 
 
-@kernel
+@kernel(allocates=False)
 def insert_node(tree: Tree, points: Any, point: int) -> None:
     """Insert a point as a leaf; the room was made before. Rebuilds the whole tree where its path gets too long.
 
@@ -201,7 +201,7 @@ def rebuild(tree: Tree, points: Any, count: int) -> None:
             end = middle
 
 
-@kernel
+@kernel(allocates=False)
 def _select(at: Any, refs: Any, low: int, high: int, middle: int, axis: int) -> None:
     """Quickselect: what is left of `middle` is at most, what is right of it at least what stands there.
 

@@ -39,7 +39,7 @@ def diagonal_of(xyz: NDArray[np.float64]) -> float:
     return float(np.sqrt((np.ptp(xyz, axis=0) ** 2).sum())) if len(xyz) else 0.0
 
 
-@kernel
+@kernel(allocates=False)
 def append_point(points: Points, x: float, y: float, z: float) -> int:
     """Append a point and return its ref; the room was made before."""
     ref = points.counters[COUNT]

@@ -1,4 +1,7 @@
-"""Property arrays (V3, V3X, V3Y): one contiguous array per field. Source: thesis, 4.4.1."""
+"""Property arrays (V3, V3X, V3Y): one contiguous array per field. Source: thesis, 4.4.1.
+
+Refs index as unsigned numbers: with signed ones numba looks at every access whether to count from the end.
+"""
 
 from typing import NamedTuple
 
@@ -65,69 +68,69 @@ def capacity(net):
 
 @implements(interface.vertex, PropertyArrays)
 def vertex(net, t, i):
-    return np.int64(net.layout.vertex[t, i])
+    return np.int64(net.layout.vertex[np.uint64(t), i])
 
 
 @implements(interface.set_vertex, PropertyArrays)
 def set_vertex(net, t, i, point):
-    net.layout.vertex[t, i] = point
+    net.layout.vertex[np.uint64(t), i] = point
 
 
 @implements(interface.neighbour, PropertyArrays)
 def neighbour(net, t, i):
-    return np.int64(net.layout.neighbour[t, i])
+    return np.int64(net.layout.neighbour[np.uint64(t), i])
 
 
 @implements(interface.set_neighbour, PropertyArrays)
 def set_neighbour(net, t, i, other):
-    net.layout.neighbour[t, i] = other
+    net.layout.neighbour[np.uint64(t), i] = other
 
 
 @implements(interface.volume, PropertyArrays)
 def volume(net, t):
-    return net.layout.volume[t]
+    return net.layout.volume[np.uint64(t)]
 
 
 @implements(interface.set_volume, PropertyArrays)
 def set_volume(net, t, value):
-    net.layout.volume[t] = value
+    net.layout.volume[np.uint64(t)] = value
 
 
 @implements(interface.centroid, PropertyArrays)
 def centroid(net, t, k):
-    return net.layout.centroid[t, k]
+    return net.layout.centroid[np.uint64(t), k]
 
 
 @implements(interface.set_centroid, PropertyArrays)
 def set_centroid(net, t, k, value):
-    net.layout.centroid[t, k] = value
+    net.layout.centroid[np.uint64(t), k] = value
 
 
 @implements(interface.side_area, PropertyArrays)
 def side_area(net, t, i):
-    return net.layout.side_area[t, i]
+    return net.layout.side_area[np.uint64(t), i]
 
 
 @implements(interface.set_side_area, PropertyArrays)
 def set_side_area(net, t, i, value):
-    net.layout.side_area[t, i] = value
+    net.layout.side_area[np.uint64(t), i] = value
 
 
 @implements(interface.side_normal, PropertyArrays)
 def side_normal(net, t, i, k):
-    return net.layout.side_normal[t, i, k]
+    return net.layout.side_normal[np.uint64(t), i, k]
 
 
 @implements(interface.set_side_normal, PropertyArrays)
 def set_side_normal(net, t, i, k, value):
-    net.layout.side_normal[t, i, k] = value
+    net.layout.side_normal[np.uint64(t), i, k] = value
 
 
 @implements(interface.state, PropertyArrays)
 def state(net, t, k):
-    return net.layout.state[t, k]
+    return net.layout.state[np.uint64(t), k]
 
 
 @implements(interface.set_state, PropertyArrays)
 def set_state(net, t, k, value):
-    net.layout.state[t, k] = value
+    net.layout.state[np.uint64(t), k] = value

@@ -1,4 +1,7 @@
-"""Array of records (V5, V5X, V5Y): one 232-byte struct per slot. Source: thesis, 4.4.5."""
+"""Array of records (V5, V5X, V5Y): one 232-byte struct per slot. Source: thesis, 4.4.5.
+
+Refs index as unsigned numbers: with signed ones numba looks at every access whether to count from the end.
+"""
 
 from typing import NamedTuple
 
@@ -51,69 +54,69 @@ def capacity(net):
 
 @implements(interface.vertex, Records)
 def vertex(net, t, i):
-    return np.int64(net.layout.records[t]["vertex"][i])
+    return np.int64(net.layout.records[np.uint64(t)]["vertex"][i])
 
 
 @implements(interface.set_vertex, Records)
 def set_vertex(net, t, i, point):
-    net.layout.records[t]["vertex"][i] = point
+    net.layout.records[np.uint64(t)]["vertex"][i] = point
 
 
 @implements(interface.neighbour, Records)
 def neighbour(net, t, i):
-    return np.int64(net.layout.records[t]["neighbour"][i])
+    return np.int64(net.layout.records[np.uint64(t)]["neighbour"][i])
 
 
 @implements(interface.set_neighbour, Records)
 def set_neighbour(net, t, i, other):
-    net.layout.records[t]["neighbour"][i] = other
+    net.layout.records[np.uint64(t)]["neighbour"][i] = other
 
 
 @implements(interface.volume, Records)
 def volume(net, t):
-    return net.layout.records[t]["volume"]
+    return net.layout.records[np.uint64(t)]["volume"]
 
 
 @implements(interface.set_volume, Records)
 def set_volume(net, t, value):
-    net.layout.records[t]["volume"] = value
+    net.layout.records[np.uint64(t)]["volume"] = value
 
 
 @implements(interface.centroid, Records)
 def centroid(net, t, k):
-    return net.layout.records[t]["centroid"][k]
+    return net.layout.records[np.uint64(t)]["centroid"][k]
 
 
 @implements(interface.set_centroid, Records)
 def set_centroid(net, t, k, value):
-    net.layout.records[t]["centroid"][k] = value
+    net.layout.records[np.uint64(t)]["centroid"][k] = value
 
 
 @implements(interface.side_area, Records)
 def side_area(net, t, i):
-    return net.layout.records[t]["side_area"][i]
+    return net.layout.records[np.uint64(t)]["side_area"][i]
 
 
 @implements(interface.set_side_area, Records)
 def set_side_area(net, t, i, value):
-    net.layout.records[t]["side_area"][i] = value
+    net.layout.records[np.uint64(t)]["side_area"][i] = value
 
 
 @implements(interface.side_normal, Records)
 def side_normal(net, t, i, k):
-    return net.layout.records[t]["side_normal"][i, k]
+    return net.layout.records[np.uint64(t)]["side_normal"][i, k]
 
 
 @implements(interface.set_side_normal, Records)
 def set_side_normal(net, t, i, k, value):
-    net.layout.records[t]["side_normal"][i, k] = value
+    net.layout.records[np.uint64(t)]["side_normal"][i, k] = value
 
 
 @implements(interface.state, Records)
 def state(net, t, k):
-    return net.layout.records[t]["state"][k]
+    return net.layout.records[np.uint64(t)]["state"][k]
 
 
 @implements(interface.set_state, Records)
 def set_state(net, t, k, value):
-    net.layout.records[t]["state"][k] = value
+    net.layout.records[np.uint64(t)]["state"][k] = value
