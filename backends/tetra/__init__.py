@@ -13,6 +13,7 @@
 from functools import partial
 
 import numpy as np
+
 from tetrabench.backends.tetra.layouts.linked_nodes import make_linked_nodes
 from tetrabench.backends.tetra.layouts.property_arrays import make_property_arrays
 from tetrabench.backends.tetra.layouts.records import make_records
@@ -20,7 +21,6 @@ from tetrabench.backends.tetra.slots.chain import make_chain
 from tetrabench.backends.tetra.slots.flag_list import make_flag_list
 from tetrabench.backends.tetra.slots.flag_scan import make_flag_scan
 from tetrabench.backends.tetra.slots.sorted_list import make_sorted_list
-
 from tetrabench.tetra.build import build_net
 from tetrabench.tetra.contestant import TetraContestant
 

@@ -9,10 +9,9 @@ The weights are symmetric, so the sum over the net stays the same, and min and m
 
 from typing import Any, NamedTuple
 
-from tetrabench.scenarios.tetra.base import TetraScenario
-
 from tetrabench.jit import kernel
 from tetrabench.protocols import Answer, Options, Work
+from tetrabench.scenarios.tetra.base import TetraScenario
 from tetrabench.tetra.interface import (
     NONE,
     Net,

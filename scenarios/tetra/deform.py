@@ -4,9 +4,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from tetrabench.scenarios.tetra.base import TetraScenario
 
 from tetrabench.protocols import Answer, Options, Work
+from tetrabench.scenarios.tetra.base import TetraScenario
 from tetrabench.tetra.net import TetraNet
 
 TWIST = 0.1

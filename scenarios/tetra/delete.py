@@ -2,10 +2,9 @@
 
 from typing import Any, NamedTuple
 
-from tetrabench.scenarios.tetra.base import TetraScenario, at_most_half
-
 from tetrabench.jit import kernel
 from tetrabench.protocols import Answer, Options, Work
+from tetrabench.scenarios.tetra.base import TetraScenario, at_most_half
 from tetrabench.tetra.edit import delete_tetra
 from tetrabench.tetra.interface import NONE, Net, last_tetra, neighbour
 from tetrabench.tetra.net import TetraNet

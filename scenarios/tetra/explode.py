@@ -4,10 +4,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from tetrabench.scenarios.tetra.base import TetraScenario, at_most_half
-from tetrabench.scenarios.tetra.delete import delete_from_end
 
 from tetrabench.protocols import Answer, Options, Work
+from tetrabench.scenarios.tetra.base import TetraScenario, at_most_half
+from tetrabench.scenarios.tetra.delete import delete_from_end
 from tetrabench.tetra.net import TetraNet
 
 

@@ -11,11 +11,10 @@ Each side's term is antisymmetric, so the sum of a over the net stays the same; 
 
 from typing import Any, NamedTuple
 
-from tetrabench.scenarios.tetra.alfa import copy_back
-from tetrabench.scenarios.tetra.base import TetraScenario
-
 from tetrabench.jit import kernel
 from tetrabench.protocols import Answer, Options, Work
+from tetrabench.scenarios.tetra.alfa import copy_back
+from tetrabench.scenarios.tetra.base import TetraScenario
 from tetrabench.tetra.interface import (
     NONE,
     Net,

@@ -4,9 +4,9 @@ import weakref
 from typing import Any, NamedTuple
 
 import numpy as np
-from tetrabench.scenarios.tetra.base import TetraScenario
 
 from tetrabench.protocols import Answer, Options, Work
+from tetrabench.scenarios.tetra.base import TetraScenario
 from tetrabench.tetra.digest import mixed_with
 from tetrabench.tetra.net import TetraNet
 

@@ -2,10 +2,9 @@
 
 from typing import Any
 
-from tetrabench.scenarios.tetra.base import TetraScenario
-
 from tetrabench.io import read_mesh
 from tetrabench.protocols import Answer, Options, Work
+from tetrabench.scenarios.tetra.base import TetraScenario
 from tetrabench.tetra.net import TetraNet
 
 

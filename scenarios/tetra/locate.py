@@ -8,10 +8,10 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from tetrabench.scenarios.tetra.base import TetraScenario
 
 from tetrabench.jit import kernel
 from tetrabench.protocols import Answer, Options, Work
+from tetrabench.scenarios.tetra.base import TetraScenario
 from tetrabench.tetra.digest import found_answer
 from tetrabench.tetra.interface import Net, vertex
 from tetrabench.tetra.net import TetraNet

@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from tetrabench.scenarios.tetra.base import TetraScenario
 
 from tetrabench.jit import kernel
 from tetrabench.protocols import Answer, Work
+from tetrabench.scenarios.tetra.base import TetraScenario
 from tetrabench.tetra.digest import found_answer
 from tetrabench.tetra.interface import (
     NONE,

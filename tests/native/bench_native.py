@@ -20,13 +20,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from tetrabench.scenarios.tetra.alfa import average
-from tetrabench.scenarios.tetra.delete import delete_from_end
-from tetrabench.scenarios.tetra.flow import diffuse
 from yardstick import BY_NAME, EDITABLE, build, c_net, content, copy_arrays, is_linked
 
 from tetrabench.mesh import TetraMesh
 from tetrabench.mesh.models import generate
+from tetrabench.scenarios.tetra.alfa import average
+from tetrabench.scenarios.tetra.delete import delete_from_end
+from tetrabench.scenarios.tetra.flow import diffuse
 from tetrabench.tetra.edit import reserve, split_many
 from tetrabench.tetra.interface import STATES, Net, tetra_refs
 from tetrabench.tetra.net import TetraNet

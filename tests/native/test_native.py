@@ -5,12 +5,12 @@ import shutil
 
 import numpy as np
 import pytest
-from tetrabench.scenarios.tetra.alfa import average
-from tetrabench.scenarios.tetra.delete import delete_from_end
-from tetrabench.scenarios.tetra.flow import diffuse
 from yardstick import BY_NAME, EDITABLE, build, c_net, content, copy_arrays, is_linked
 
 from tetrabench.mesh.models import generate
+from tetrabench.scenarios.tetra.alfa import average
+from tetrabench.scenarios.tetra.delete import delete_from_end
+from tetrabench.scenarios.tetra.flow import diffuse
 from tetrabench.tetra.edit import delete_tetra, reserve, split_many
 from tetrabench.tetra.interface import tetra_refs
 from tetrabench.tetra.net import TetraNet

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 from numpy.lib.recfunctions import repack_fields
+
 from tetrabench.backends.tetra import CONTESTANTS
 from tetrabench.backends.tetra.layouts.linked_nodes import NODE, LinkedNodes
-
 from tetrabench.tetra.incidence import END as END_OF_LIST
 from tetrabench.tetra.interface import NONE, Net, capacity, tetra_refs
 from tetrabench.tetra.points import COUNT

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 from numba import config
-from tetrabench.scenarios.tetra.alfa import average
-from tetrabench.scenarios.tetra.delete import delete_from_end
-from tetrabench.scenarios.tetra.flow import diffuse, largest_exchange
 
 from tests.oracle import OracleNet
 from tetrabench import registry
 from tetrabench.io import read_mesh, write_mesh
 from tetrabench.mesh.models import generate
+from tetrabench.scenarios.tetra.alfa import average
+from tetrabench.scenarios.tetra.delete import delete_from_end
+from tetrabench.scenarios.tetra.flow import diffuse, largest_exchange
 from tetrabench.tetra.family import FAMILY, set_initial_states
 from tetrabench.tetra.net import TetraNet
 

@@ -4,10 +4,10 @@ import ctypes
 
 import numpy as np
 import pytest
-from tetrabench.backends.tetra.layouts.linked_nodes import NODE
 
 from tests.meshes import box
 from tetrabench import registry
+from tetrabench.backends.tetra.layouts.linked_nodes import NODE
 from tetrabench.tetra.net import TetraNet
 
 # What may hold any value: (class, field, place) -> why. Everything else has to be found.

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from tetrabench.backends.tetra.layouts.linked_nodes import NEXT, PREVIOUS, LinkedNodes
 
+from tetrabench.backends.tetra.layouts.linked_nodes import NEXT, PREVIOUS, LinkedNodes
 from tetrabench.jit import heap, implements
 from tetrabench.jit.heap import load, store
 from tetrabench.tetra import interface
