@@ -7,7 +7,7 @@ from tests.meshes import nozzle
 from tetrabench import registry
 from tetrabench.errors import InputError
 from tetrabench.mesh.models import generate
-from tetrabench.tetra.locate import METHODS
+from tetrabench.tetra.locate import METHODS, build_grid
 from tetrabench.tetra.net import TetraNet
 
 CONTESTANTS = ["v3y", "v4"]
@@ -67,6 +67,19 @@ def test_empty_net_and_no_points():
         net.delete(t)
     assert net.locate([[0, 0, 0]]).tolist() == [-1]
     assert net.locate(np.empty((0, 3))).tolist() == []
+
+
+def test_the_grid_is_never_larger_than_the_net_deserves(rng):
+    """Empty, flat, and needle-shaped nets, and such of any unit, get a grid of few cells."""
+    net = build("v3y", nozzle())
+    net.deform(lambda points: points * np.array([1.0, 1.0, 1e-12]))
+    for scale in (1e-150, 1e150):
+        net.deform(lambda points, scale=scale: points * scale)
+        assert len(build_grid(net.storage).starts) < 100 * len(net)
+        net.deform(lambda points, scale=scale: points / scale)
+    for t in net:
+        net.delete(t)
+    assert len(build_grid(net.storage).starts) < 100
 
 
 def test_edits_are_seen():

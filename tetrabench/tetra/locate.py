@@ -36,6 +36,7 @@ INSIDE = 1e-12
 UNDECIDED = np.int64(-2)
 _LONGEST_WALK = 500
 _TETRAS_A_CELL = 2.0
+_FLATTEST = 1e-3
 
 
 class Grid(NamedTuple):
@@ -206,12 +207,14 @@ def build_grid(net: Net) -> Grid:
     """A grid with a few tetras a cell, made in two passes over the net."""
     low, high = np.empty(3), np.empty(3)
     _bounds(net, low, high)
-    extent = np.maximum(high - low, 1e-300)
+    extent = high - low
     tetras = max(int(number_of_tetras(net)), 1)
-    edge = (extent.prod() * _TETRAS_A_CELL / tetras) ** (1 / 3)
-    shape = np.clip(np.ceil(extent / max(edge, extent.max() / 1000)), 1, 1000).astype(np.int64)
+    longest = extent.max() or 1.0
+    relative = np.maximum(extent / longest, _FLATTEST)  # a flat net must not be cut into slices without end
+    edge = (relative.prod() * _TETRAS_A_CELL / tetras) ** (1 / 3)
+    shape = np.ceil(relative / edge).astype(np.int64)
     starts = np.zeros(int(shape.prod()) + 1, np.int64)
-    grid = Grid(low, extent / shape, shape, starts, np.empty(0, np.int64))
+    grid = Grid(low, np.where(extent > 0, extent, longest) / shape, shape, starts, np.empty(0, np.int64))
     _enter(net, grid, count=True)
     starts[:] = np.concatenate(([0], np.cumsum(starts[:-1])))
     grid = grid._replace(refs=np.empty(int(starts[-1]), np.int64))
