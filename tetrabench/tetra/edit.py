@@ -241,7 +241,7 @@ def _check_free(net: Net, u: int, side: int, found: int) -> None:
         raise ValueError("two tetras share that side already")
 
 
-@kernel(allocates=False)
+@register_jitable
 def _join(net: Net, t: int, i: int, u: int, j: int) -> None:
     set_neighbour(net, t, i, u)
     if u != NONE:
