@@ -34,6 +34,7 @@ def test_the_examples_run(tmp_path, monkeypatch, capsys):
     monkeypatch.syspath_prepend(tmp_path)
     import examples
 
+    assert examples.inside[0] >= 0
     assert examples.inside[1] == -1
     assert capsys.readouterr().out.startswith("0.")
     assert examples.largest_volume(examples.net.storage) == examples.net.volumes.max()

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 import sys
+import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -59,9 +60,15 @@ def split_names(ctx: click.Context, param: click.Parameter, values: tuple[str, .
 
 
 def check_folder(ctx: click.Context, param: click.Parameter, path: Path | None) -> Path | None:
-    """Complain about a folder that is not there before the work, not after it."""
+    """Complain about a folder that is not there, or cannot be written to, before the work, not after it."""
     if path is not None and not path.absolute().parent.is_dir():
         raise click.BadParameter(f"there is no folder {path.parent}", ctx, param)
+    if path is not None:
+        try:
+            with tempfile.TemporaryFile(dir=path.absolute().parent):
+                pass
+        except OSError as error:
+            raise click.BadParameter(f"cannot write into {path.parent}: {error.strerror}", ctx, param) from error
     return path
 
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from tetrabench.protocols import Answer, Options, Work
 from tetrabench.scenarios.tetra.base import TetraScenario, at_most_half
 from tetrabench.scenarios.tetra.delete import delete_from_end
+from tetrabench.tetra.edit import split_many
 from tetrabench.tetra.net import TetraNet
 
 
@@ -38,7 +39,8 @@ class Explode(TetraScenario):
 
     def run(self, explosion: Explosion) -> int:
         """Split them; returns how many were skipped because their centroid is a point already."""
-        return explosion.net.split(explosion.refs)
+        explosion.net.storage, skipped = split_many(explosion.net.storage, explosion.refs)
+        return skipped
 
     def answer(self, explosion: Explosion, skipped: int) -> Answer:
         """All of the net, children with their parents' states."""

@@ -17,8 +17,8 @@ from tetrabench.tetra.net import TetraNet
 
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="the C yardsticks need gcc")
 
-MESH = generate("nozzle", 2_000)
-DELETED, SPLIT = 500, 800
+MESH = generate("nozzle", 600)
+DELETED, SPLIT = 100, 150
 
 
 @pytest.fixture(scope="module", params=list(BY_NAME))

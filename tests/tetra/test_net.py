@@ -87,6 +87,20 @@ def test_a_deleted_ref_is_refused(build):
     assert net.check() == []
 
 
+def test_a_split_of_what_is_not_there_is_refused(build):
+    net = build(pair())
+    digest = net.answer().digest
+    first, gone = net.refs.tolist()
+    for bad in ([10**9], [-1], [first, first]):
+        with pytest.raises(InputError):
+            net.split(bad)
+    assert net.answer().digest == digest
+    net.delete(gone)
+    with pytest.raises(InputError, match=f"there is no tetra {gone}"):
+        net.split([first, gone])
+    assert net.check() == []
+
+
 def test_points_merge_within_a_billionth_of_the_diagonal(build):
     net = build(single())
     assert net.insert_point(1e-12, 0, 0) == 0

@@ -24,7 +24,7 @@ from tetrabench.report.units import duration, singular, times
 WIDTH = 11.0  # inches
 PANEL = 6  # groups of bars side by side
 PANEL_HEIGHT = 2.7  # inches
-CUT = 4.0  # a bar more than so many times as high as the reference's dwarfs the others
+CUT = 12.0  # a bar more than so many times as high as the reference's dwarfs the others
 QUIET, ALARM = "#777777", "#a00000"
 Bars = Mapping[str, float | str]  # contestant -> height, or the word that stands where no bar may
 
@@ -115,8 +115,10 @@ def draw_bars(
             if height > top:
                 _draw_break(axes, x, 0.9 * top, width, 0.03 * top)
             if height > top or label_all:
-                axes.text(x, shown + 0.015 * top, label(height), ha="center", va="bottom", fontsize=8)
-    axes.set_ylim(0.0, 1.09 * top)
+                turned = 0 if label_all else 90  # neighbours that are cut have no room for labels side by side
+                place_of_label = {"ha": "center", "va": "bottom", "fontsize": 8, "rotation": turned}
+                axes.text(x, shown + 0.02 * top, label(height), **place_of_label)
+    axes.set_ylim(0.0, (1.09 if label_all else 1.25) * top)
     axes.spines[["top", "right"]].set_visible(False)
     axes.tick_params(axis="x", length=0)
     axes.yaxis.set_major_locator(MaxNLocator(5))
@@ -158,6 +160,7 @@ def _make_figure(results: Results, title: str, rows: int, columns: int) -> tuple
     _add_legend(heading, columns_of_legend, top=1 - 0.3 / above)
     caption = f"{about_model(results)}. {about_machine(results)}."
     caption += f" {PROVISIONAL}" if results.provisional else ""
+    caption += " Bars with a gap are cut, their value above them; within the grey band nothing is ranked."
     bottom.text(0.01, 0.9, textwrap.fill(caption, 165), ha="left", va="top", fontsize=8, color="#444444")
     return figure, list(body.subplots(rows, columns, squeeze=False).flat)
 

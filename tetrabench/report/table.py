@@ -184,11 +184,18 @@ def _notes(results: Results, rows: list[Row]) -> Iterator[str]:
         yield f"{backend}, {verdict} in {', '.join(scenarios)}: {reason}"
     yield (
         f"Figures: CPU time, times that of {results.reference} (less is better). ~ is within 25 % of it. "
-        f"too short: under {duration(SHORTEST_S)}, says nothing. unclear: rounds contradict each other."
+        f"too short: both under {duration(SHORTEST_S)}, says nothing. unclear: rounds contradict each other."
     )
     if items := _items(results):
         yield f"An item is {items}."
-    yield "Structure: the fresh net, no slack. Peak: the whole process. Compiling: or loading it compiled."
+    yield (
+        "Structure: the fresh net, no slack. Peak: the whole process with Python and the compiler; equal runs "
+        "differ by 100 MB."
+    )
+    yield (
+        "Compiling: in a first run, where whoever comes first also compiles what all share; later, loading what "
+        "was compiled."
+    )
     if any(backend.extension for backend in results.backends):
         yield "Names with a * are not from the source."
     yield f"{about_machine(results)}: {results.command}"

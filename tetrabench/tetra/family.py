@@ -1,6 +1,7 @@
 """The tetra family, as the harness sees it: its models, its reference contestant, its stage."""
 
 from collections.abc import Mapping
+from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
@@ -135,6 +136,8 @@ class TetraFamily:
         """The file of a model: `model` is a path, or the name of one that is generated into the user's cache."""
         if model not in MODELS:
             path = Path(model)
+            if path.is_dir():
+                raise InputError(f"{path}: a folder, not a file")
             if not path.is_file():
                 raise InputError(_how_to_get(path))
             if size is not None or numbering != "natural":
@@ -163,7 +166,9 @@ def _how_to_get(path: Path) -> str:
             f"{path}: no such file. Make one with `tetrabench generate {path.stem} -o {path}`, "
             f"or say `--model {path.stem}` to have one made for you"
         )
-    return f"{path}: no such file, and no model of that name ({known}); `tetrabench generate` makes files of those"
+    near = get_close_matches(path.stem, MODELS, n=1)
+    hint = f"; did you mean {near[0]}?" if near else ""
+    return f"{path}: no such file, and no model of that name; models are {known}{hint}"
 
 
 FAMILY = TetraFamily()

@@ -229,8 +229,18 @@ class TetraNet:
             raise InputError(f"cannot delete {t}: {error}") from None
 
     def split(self, refs: ArrayLike) -> int:
-        """Split tetras in four around their centroids; children inherit the states. Returns how many were skipped."""
-        self.storage, skipped = edit.split_many(self._storage, np.asarray(refs, np.int64))
+        """Split tetras in four around their centroids; children inherit the states. Returns how many were skipped.
+
+        Raises:
+            InputError: a ref that is no tetra of the net, or that comes twice. The net is then as it was.
+        """
+        refs = np.require(refs, np.int64, ["C", "W", "O"])
+        strange = refs[~np.isin(refs, self.refs)]
+        if len(strange):
+            raise InputError(f"there is no tetra {strange[0]}")
+        if len(np.unique(refs)) < len(refs):
+            raise InputError("a tetra can be split only once: a ref comes twice")
+        self.storage, skipped = edit.split_many(self._storage, refs)
         return skipped
 
     def deform(self, move: Callable[[NDArray[np.float64]], NDArray[np.float64]]) -> int:
