@@ -31,17 +31,17 @@ _POINTER = ir.IntType(8).as_pointer()
 
 def allocate(size: int) -> int:
     """Address of `size` fresh bytes, 0 where there is no memory left (C: malloc)."""
-    return _libc.malloc(size) or 0
+    return _libc.malloc(int(size)) or 0
 
 
 def release(address: int) -> None:
     """Give an allocation back (C: free)."""
-    _libc.free(address)
+    _libc.free(int(address))
 
 
 def usable_size(address: int) -> int:
     """Bytes that the allocator set aside for an allocation, without its own header (C: malloc_usable_size)."""
-    return int(_libc.malloc_usable_size(address))
+    return int(_libc.malloc_usable_size(int(address)))
 
 
 def load(kind: type, address: int) -> Any:
