@@ -76,16 +76,16 @@ def locate(
     if queries.ndim != 2 or queries.shape[1] != 3:
         raise InputError(f"points to locate have the shape (m, 3), not {queries.shape}")
     refs = np.empty(len(queries), np.int64)
-    if method == "brute":
-        _ask_every_tetra(net, queries, refs)
-    elif method == "source":
-        _ask_as_the_source(net, queries, refs)
-    elif method == "walk":
-        if _walk_to_all(net, queries, refs) > 0:
+    if method not in METHODS:
+        raise InputError(f"there is no way to locate called {method!r}: choose one of {', '.join(METHODS)}")
+    with np.errstate(over="ignore", invalid="ignore"):  # a point may be so far away that its volumes are infinite
+        if method == "brute":
+            _ask_every_tetra(net, queries, refs)
+        elif method == "source":
+            _ask_as_the_source(net, queries, refs)
+        elif _walk_to_all(net, queries, refs) > 0:
             grid = grid or build_grid(net)
             _ask_grid(net, grid, queries, refs)
-    else:
-        raise InputError(f"there is no way to locate called {method!r}: choose one of {', '.join(METHODS)}")
     return refs, grid
 
 
