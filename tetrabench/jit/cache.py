@@ -44,7 +44,7 @@ _LIBRARY = tuple(f"{_HARNESS}.{layer}" for layer in ("mesh", "io", "tetra"))  # 
 _KERNELS: list[Any] = []  # every dispatcher that `kernel` made, for tests and for counting
 
 
-def kernel(function: Callable[..., Any] | None = None, *, allocates: bool = True) -> Any:
+def kernel(function: Callable[..., Any] | None = None, *, allocates: bool = True, inline: bool = False) -> Any:
     """Compile `function` on first call, through the project's cache.
 
     The function must also run as plain Python (NUMBA_DISABLE_JIT=1). Divisions follow IEEE 754 (`1.0 / 0.0` is inf,
@@ -55,10 +55,11 @@ def kernel(function: Callable[..., Any] | None = None, *, allocates: bool = True
         allocates: False promises that the function makes no array, and gets none from what it calls. Then numba
             counts no references in it: a count is an atomic operation on every array of the net, at worst at each
             step of a sweep, and one that an exception leaves behind keeps the whole net in memory for good.
+        inline: put it into each kernel that calls it: for what takes a net, by value, and does less than that costs.
     """
     if function is None:
-        return functools.partial(kernel, allocates=allocates)
-    compiled = njit(error_model="numpy", _nrt=allocates)(function)
+        return functools.partial(kernel, allocates=allocates, inline=inline)
+    compiled = njit(error_model="numpy", _nrt=allocates, forceinline=inline)(function)
     if compiled is function:  # the JIT is off
         return function
     cache = _Cache(function)

@@ -172,7 +172,7 @@ def insert_tetra(net: Net, a: int, b: int, c: int, d: int) -> int:
     return t
 
 
-@kernel(allocates=False)
+@kernel(allocates=False, inline=True)
 def delete_tetra(net: Net, t: int) -> None:
     """Delete tetra t: its neighbours lose a neighbour, its points a tetra; the points stay.
 

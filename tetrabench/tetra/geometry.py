@@ -16,7 +16,7 @@ from tetrabench.tetra.interface import (
 )
 
 
-@kernel(allocates=False)
+@kernel(allocates=False, inline=True)
 def set_geometry(net: Net, t: int) -> None:
     """Compute and store the static data of tetra t, whose vertices are stored already."""
     xyz = net.points.xyz
