@@ -116,8 +116,8 @@ def draw_bars(
                 _draw_break(axes, x, 0.9 * top, width, 0.03 * top)
             if height > top or label_all:
                 turned = 0 if label_all else 90  # neighbours that are cut have no room for labels side by side
-                place_of_label = {"ha": "center", "va": "bottom", "fontsize": 8, "rotation": turned}
-                axes.text(x, shown + 0.02 * top, label(height), **place_of_label)
+                word = axes.text(x, shown + 0.02 * top, label(height), rotation=turned, fontsize=8)
+                word.set(ha="center", va="bottom")
     axes.set_ylim(0.0, (1.09 if label_all else 1.25) * top)
     axes.spines[["top", "right"]].set_visible(False)
     axes.tick_params(axis="x", length=0)
