@@ -102,3 +102,20 @@ def first_fault(tets: NDArray[np.int32], points: int) -> tuple[int, int, int]:
             place = (place + 1) & (size - 1)
         table[place] = t
     return FINE, 0, 0
+
+
+def settle(mesh, *, where, unused="drop", repair="refuse"):
+    """Stand-in."""
+    from tetrabench.mesh.quality import signed_volumes
+    fault = find_fault(mesh.points, mesh.tets)
+    if fault is not None:
+        kind, row, sentence = fault
+        raise InputError(f"{where(kind, row)} {sentence}")
+    used = np.zeros(len(mesh.points), np.bool_)
+    used[mesh.tets.ravel()] = True
+    mesh.report.unreferenced = int(len(used) - np.count_nonzero(used))
+    if unused == "drop" and not used.all():
+        moved = (np.cumsum(used, dtype=np.int32) - np.int32(1))[mesh.tets]
+        mesh = TetraMesh(mesh.points[used], moved, mesh.point_ids[used], mesh.tet_ids.copy(), mesh.report)
+    mesh.report.inverted = int(np.count_nonzero(signed_volumes(mesh.points, mesh.tets) < 0))
+    return mesh

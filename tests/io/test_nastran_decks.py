@@ -1,0 +1,223 @@
+"""Decks of several files, coordinate systems, and mixed decks: what surrounds the cards that count."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from tests.io.test_nastran import CORNERS, FREE_POINTS, FREE_TETRA, read_text
+from tetrabench.errors import InputError
+from tetrabench.io.nastran import read_nastran
+
+
+def write(folder: Path, **files: str) -> Path:
+    """Write files by name, `__` for a slash; return the first."""
+    paths = [folder / f"{name.replace('__', '/')}.nas" for name in files]
+    for path, text in zip(paths, files.values(), strict=True):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    return paths[0]
+
+
+# ------------------------------ INCLUDE
+
+
+@pytest.mark.parametrize(
+    "card",
+    [
+        "INCLUDE 'parts/points.nas'",
+        'include "parts/points.nas" $ the points',
+        "  Include parts/points.nas",
+        "INCLUDE='parts/points.nas'",
+        "INCLUDE'parts/points.nas'",
+        "INCLUDE 'parts/\npoints.nas'",
+        "INCLUDE 'parts/\n  poin\nts.nas'",
+        "INCLUDE 'parts\\points.nas'",
+    ],
+)
+@pytest.mark.parametrize("first", [True, False])
+def test_include(tmp_path: Path, card: str, first: bool) -> None:
+    texts = [card + "\n", FREE_TETRA]
+    path = write(tmp_path, main="".join(texts if first else reversed(texts)), parts__points=FREE_POINTS)
+    mesh = read_nastran(path)
+    assert dict(zip(mesh.point_ids.tolist(), map(tuple, mesh.points.tolist()), strict=True)) == CORNERS
+    assert mesh.point_ids[mesh.tets].tolist() == [[1, 2, 3, 4]]
+
+
+def test_include_looks_next_to_the_including_file_then_next_to_the_main_one(tmp_path: Path) -> None:
+    path = write(
+        tmp_path,
+        main="INCLUDE 'a/first.nas'\n" + FREE_TETRA,
+        a__first="INCLUDE 'near.nas'\nINCLUDE 'far.nas'\n",
+        a__near="".join(FREE_POINTS.splitlines(keepends=True)[:2]),
+        near="GRID,x\n",
+        far="".join(FREE_POINTS.splitlines(keepends=True)[2:]),
+    )
+    assert read_nastran(path).point_ids.tolist() == [1, 2, 3, 4]
+
+
+def test_include_keeps_the_order_of_the_cards(tmp_path: Path) -> None:
+    many = "".join(f"GRID,{number},,{number}.123456789012345678,0.,0.\n" for number in range(10, 3000))
+    path = write(
+        tmp_path, main=many + "INCLUDE 'rest.nas'\nGRID,9000,,3.,3.,3.\n" + FREE_TETRA, rest=FREE_POINTS + "PSOLID,1\n"
+    )
+    mesh = read_nastran(path, unused="keep")
+    assert mesh.point_ids.tolist() == [*range(10, 3000), 1, 2, 3, 4, 9000]
+    np.testing.assert_array_equal(mesh.points[:2990, 0], [float(f"{k}.123456789012345678") for k in range(10, 3000)])
+    assert mesh.report.skipped == {"PSOLID": 1}
+
+
+def test_enddata_ends_the_deck_in_whatever_file(tmp_path: Path) -> None:
+    path = write(tmp_path, main=FREE_TETRA + "INCLUDE 'rest.nas'\nGRID,x\n", rest=FREE_POINTS + "ENDDATA\nGRID,x\n")
+    assert len(read_nastran(path).points) == 4
+
+
+def test_errors_name_the_included_file(tmp_path: Path) -> None:
+    path = write(tmp_path, main="\nINCLUDE 'rest.nas'\n" + FREE_TETRA, rest=FREE_POINTS + "\nGRID,x\n")
+    with pytest.raises(InputError, match=r"rest\.nas:6: 'x' is not a whole number"):
+        read_nastran(path)
+    path = write(tmp_path, main="INCLUDE 'rest.nas'\n" + FREE_TETRA, rest=FREE_POINTS.replace("GRID,4", "GRID,5"))
+    with pytest.raises(InputError, match=r"main\.nas:2: CTETRA 1 uses GRID 4, which does not exist"):
+        read_nastran(path)
+
+
+@pytest.mark.parametrize(
+    ("files", "reason"),
+    [
+        ({"main": "INCLUDE 'main.nas'\n"}, r"main\.nas:1: INCLUDE: 'main\.nas' includes itself"),
+        ({"main": "$\nINCLUDE 'b.nas'\n", "b": "INCLUDE './main.nas'\n"}, r"b\.nas:1: INCLUDE: '\./main\.nas' includes"),
+        ({"main": "INCLUDE\n"}, r"main\.nas:1: INCLUDE: there is no file ''"),
+        ({"main": "INCLUDE 'x\n"}, r"main\.nas:1: INCLUDE: there is no file"),
+        ({"main": f"INCLUDE '{'x' * 3000}'\n"}, r"main\.nas:1: INCLUDE: there is no file"),
+        ({"main": "INCLUDE 'b.nas'\n", "b": ""}, r"b\.nas: is empty"),
+    ],
+)  # fmt: skip
+def test_include_that_cannot_be_followed(tmp_path: Path, files: dict[str, str], reason: str) -> None:
+    with pytest.raises(InputError, match=reason):
+        read_nastran(write(tmp_path, **files))
+
+
+def test_include_without_end_is_stopped(tmp_path: Path) -> None:
+    deep = {f"f{k}": f"INCLUDE 'f{k + 1}.nas'\n" for k in range(60)}
+    with pytest.raises(InputError, match="INCLUDE: over 50 files deep"):
+        read_nastran(write(tmp_path, **deep))
+    twice = {f"g{k}": f"INCLUDE 'g{k + 1}.nas'\n" * 2 for k in range(40)} | {"g40": "$\n"}
+    with pytest.raises(InputError, match="or 10000 in all"):
+        read_nastran(write(tmp_path, **twice))
+
+
+# ------------------------------ coordinate systems
+
+TURNED = "CORD2R,7,,1.,2.,3.,1.,2.,4.,+\n+,1.,3.,3.\n"  # x is the basic y, y the basic -x
+
+
+def test_rectangular_system(tmp_path: Path) -> None:
+    mesh = read_text(tmp_path, FREE_POINTS.replace("GRID,2,,1.", "GRID,2,7,1.") + FREE_TETRA + TURNED)
+    np.testing.assert_allclose(mesh.points[1], [1.0, 3.0, 3.0], atol=1e-15)
+    np.testing.assert_array_equal(mesh.points[2], CORNERS[3])  # basic ones keep every bit
+    assert mesh.report.skipped == {"CORD2R": 1}
+    assert len(mesh.report.warnings) == 1  # no ENDDATA
+
+
+def test_cylindrical_and_spherical_systems(tmp_path: Path) -> None:
+    points = "GRID,1,1,2.,90.,5.\nGRID,2,2,2.,90.,0.\nGRID,3,2,2.,30.,90.\nGRID,4,2,0.,77.,-5.\n"
+    systems = "CORD2C,1,0,0.,0.,0.,0.,0.,1.,+\n+,1.,0.,0.\nCORD2S,2,,0.,0.,0.,0.,0.,1.,+\n+,1.,0.,0.\n"
+    mesh = read_text(tmp_path, systems + points + FREE_TETRA)
+    expected = [[0, 2, 5], [2, 0, 0], [0, 1, np.sqrt(3)], [0, 0, 0]]
+    np.testing.assert_allclose(mesh.points, expected, atol=1e-15)
+
+
+def test_nested_systems_against_scipy(tmp_path: Path, rng: np.random.Generator) -> None:
+    """System 3 within 2 within 1, by random rotations, and system 4 by the GRIDs of system 3."""
+    turns, shifts = Rotation.random(3, rng=rng), rng.normal(size=(3, 3))
+    cards = []
+    for k in range(3):
+        a, b, c = shifts[k] + np.array([[0, 0, 0], [0, 0, 1], [1, 0, 1]]) @ turns[k].as_matrix().T
+        fields = ",".join(repr(float(x)) for x in [*a, *b])
+        cards.append(f"CORD2R,{k + 1},{k},{fields},+\n+," + ",".join(repr(float(x)) for x in c) + "\n")
+    corners = np.array(list(CORNERS.values()))
+    points = "".join(f"GRID,{k},3,{x!r},{y!r},{z!r}\n" for k, (x, y, z) in enumerate(corners.tolist(), start=1))
+    grids = "GRID,11,3,0.,0.,0.\nGRID,12,3,0.,0.,1.\nGRID,13,3,1.,0.,0.\nGRID,14,4,1.,2.,3.\nGRID,15,3,1.,2.,3.\n"
+    deck = points + FREE_TETRA + grids + "CORD1R,4,11,12,13\n" + "".join(rng.permutation(cards))
+    mesh = read_text(tmp_path, deck, unused="keep")
+    expected = corners
+    for k in (2, 1, 0):
+        expected = turns[k].apply(expected) + shifts[k]
+    np.testing.assert_allclose(mesh.points[:4], expected, atol=1e-13)
+    np.testing.assert_allclose(mesh.points[7], mesh.points[8], atol=1e-13)
+
+
+def test_two_systems_on_a_card_and_a_default_one(tmp_path: Path) -> None:
+    base = "GRID,11,0,0.,0.,0.\nGRID,12,0,0.,0.,1.\nGRID,13,0,0.,1.,0.\n"
+    systems = "CORD1C,8,11,12,13,9,11,12,13\nGRDSET,,9\n"
+    mesh = read_text(tmp_path, base + systems + FREE_POINTS.replace("GRID,2,,1.,0.", "GRID,2,,1.,90.") + FREE_TETRA)
+    np.testing.assert_allclose(mesh.points[1], [-1.0, 0.0, 0.0], atol=1e-15)
+
+
+def test_unknown_system_is_taken_as_basic_with_one_warning(tmp_path: Path) -> None:
+    mesh = read_text(tmp_path, FREE_POINTS.replace(",,", ",5,") + FREE_TETRA + "ENDDATA")
+    assert dict(zip(mesh.point_ids.tolist(), map(tuple, mesh.points.tolist()), strict=True)) == CORNERS
+    (warning,) = mesh.report.warnings
+    assert "coordinate system 5 of 4 GRIDs is not defined; taken as the basic one" in warning
+
+
+@pytest.mark.parametrize(
+    ("systems", "line", "reason"),
+    [
+        ("CORD2R,7,8,0.,0.,0.,0.,0.,1.,+\n+,1.,0.,0.\nCORD2R,8,7,0.,0.,0.,0.,0.,1.,+\n+,1.,0.,0.\n", None, "needs itself"),
+        ("CORD1R,7,1,2,3\n", 6, "coordinate system 7 needs itself"),
+        ("CORD1R,7,11,12,13\n", 6, "uses GRID 11, which does not exist"),
+        ("CORD2R,7,,0.,0.,0.,0.,0.,1.,+\n+,0.,0.,5.\n", 6, "its three points lie on one line"),
+        ("CORD2R,7\n", 6, "its three points lie on one line"),
+        ("CORD2R,7,,x\n", 6, "CORD2R: could not convert"),
+        (TURNED + TURNED.replace("3.\n", "5.\n"), 8, "coordinate system 7 is defined twice, in different ways"),
+    ],
+)  # fmt: skip
+def test_faulty_system(tmp_path: Path, systems: str, line: int | None, reason: str) -> None:
+    with pytest.raises(InputError, match=reason) as caught:
+        read_text(tmp_path, FREE_POINTS.replace(",,", ",7,") + FREE_TETRA + systems)
+    assert line is None or f"deck.nas:{line}: " in str(caught.value)
+
+
+def test_the_same_system_twice_is_one(tmp_path: Path) -> None:
+    mesh = read_text(tmp_path, FREE_POINTS.replace("GRID,2,,1.", "GRID,2,7,1.") + FREE_TETRA + TURNED * 2)
+    np.testing.assert_allclose(mesh.points[1], [1.0, 3.0, 3.0], atol=1e-15)
+
+
+# ------------------------------ mixed decks
+
+
+def test_quadratic_tetras_are_counted(tmp_path: Path) -> None:
+    ten = "CTETRA,{},1,{},5,6,+\n+,7,8,9,10\n"
+    deck = FREE_POINTS + "GRID,11,,1.,1.,1.\n" + FREE_TETRA + ten.format(2, "1,2,3,11") + ten.format(3, "1,2,4,11")
+    mesh = read_text(tmp_path, deck)
+    assert mesh.report.quadratic == 2
+    assert len(mesh.tets) == 3
+
+
+def test_mixed_deck(tmp_path: Path) -> None:
+    others = "CHEXA,1,1,1,2,3,4,1,2,+\n+,3,4\nCTRIA3,1,1,1,2,3\nSPC1,1,123,1,THRU,4\nMAT1,1,2.+11,,.3\n"
+    mesh = read_text(tmp_path, others + FREE_POINTS + FREE_TETRA + "CTRIA3,2,1,1,2,3\n" + "ENDDATA\n")
+    assert mesh.report.skipped == {"CTRIA3": 2, "CHEXA": 1, "SPC1": 1, "MAT1": 1}
+    assert not mesh.report.warnings
+
+
+def test_names_without_end_are_counted_together(tmp_path: Path) -> None:
+    mesh = read_text(tmp_path, "".join(f"X{k:05}\n" * 2 for k in range(1000)) + FREE_POINTS + FREE_TETRA)
+    assert sum(mesh.report.skipped.values()) == 2000
+    assert mesh.report.skipped["others"] == 2 * (1000 - 255)
+
+
+def test_begin_bulk_without_enddata_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="BEGIN BULK, but no ENDDATA: the file may have been cut off; if it is whole"):
+        read_text(tmp_path, "BEGIN BULK\n" + FREE_POINTS + FREE_TETRA)
+
+
+def test_many_scattered_continuations(tmp_path: Path, rng: np.random.Generator) -> None:
+    count = 200
+    xyz = rng.normal(size=(count, 3)).round(6)
+    heads = [f"GRID*,{k + 1},,{x},{y},*G{k}\n" for k, (x, y, _) in enumerate(xyz.tolist())]
+    tails = [f"*G{k},{z}\n" for k, (_, _, z) in enumerate(xyz.tolist())]
+    mesh = read_text(tmp_path, "".join(heads) + FREE_TETRA + "".join(rng.permutation(tails)), unused="keep")
+    np.testing.assert_array_equal(mesh.points, xyz)

@@ -1,0 +1,463 @@
+"""The loop over the cards of a file: GRID and CTETRA go into a `Deck`, the places of what is rarer too."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from tetrabench.io.nastran.cards import (
+    BLANK,
+    COMMA,
+    CONTINUATION,
+    CUT,
+    DANGLING,
+    EQUALS,
+    EXACT,
+    INCOMPLETE,
+    INTEGER,
+    MALFORMED,
+    MOST_FIELDS,
+    NEWLINE,
+    NINE,
+    NOTHING,
+    REAL,
+    REPLICATED,
+    STAR,
+    SYSTEM,
+    ZERO,
+    Bytes,
+    Integers,
+    Reals,
+    kind_of,
+    line_end,
+    line_kind,
+    parse_integer,
+    parse_real,
+    split_card,
+)
+from tetrabench.jit import kernel
+
+GRID, CTETRA, GRDSET, INCLUDE = map(kind_of, ("GRID", "CTETRA", "GRDSET", "INCLUDE"))
+BEGIN, ENDDATA, END, BULK = map(kind_of, ("BEGIN", "ENDDATA", "END", "BULK"))
+CORD = {kind_of(f"CORD{number}{form}"): (number, form) for number in (1, 2) for form in "RCS"}
+CORD1R, CORD1C, CORD1S, CORD2R, CORD2C, CORD2S = CORD
+
+# Why `scan` stops before the end, beside the reasons against a card.
+NO_ROOM, AT_INCLUDE = 101, 102
+
+# Places in Deck.state.
+POSITION, LAST, BEGUN, ENDED, DEFAULT_SYSTEM, QUADRATIC = range(6)
+POINTS, TETS, HARD, LOOSE, CORDS, NAMES = range(6, 12)
+
+GRDSET_SYSTEM = -1  # of a point whose field 3 is blank
+BASIC = 0
+FULL_NAMES = 256
+OTHERS = 0  # the kind of all cards of rarer names, where there are too many names
+EXTRA = 8  # rows that one card may take
+OTHER, SMALL, LARGE = range(3)  # forms of a plain card
+RETURN = 13
+MANY = 10**17  # numbers from here on are left to parse_integer
+
+
+class Deck(NamedTuple):
+    """What `scan` finds. Every array has more room than it needs; `state` says how far each is filled.
+
+    A place is a byte of all files read so far, one after the other: see `base` of `scan`.
+
+    Attributes:
+        points: (room, 3) float64, coordinates, in the system of each point.
+        point_ids: (room,) int64.
+        point_places: (room,) int64, first byte of the card.
+        systems: (room,) int64, coordinate system of each point, GRDSET_SYSTEM where it is blank.
+        tets: (room, 4) int64, ids of the corner nodes.
+        tet_ids: (room,) int64.
+        tet_places: (room,) int64, first byte of the card.
+        hard: (room, 3) int64, numbers left to `parse_hard`: index in points.ravel(), first byte, end.
+        loose: (room, 6) int64, continuations that stand elsewhere: first byte and end of the name that a card asks
+            for, first byte and kind of the card, its row, how many fields there are of it; or for a line that
+            belongs to no card above it, its first byte and zeros.
+        cords: (room, 2) int64, kind and first byte of the cards of coordinate systems.
+        names: (FULL_NAMES, 2) int64, kinds of the other cards and how many there are.
+        state: (12,) int64, where the scan is, and how far the arrays are filled.
+        fields: (MOST_FIELDS, 2) int64, the fields of the card at hand: see `split_card`.
+        wrong: (2,) int64, first byte and end of the field, or of nothing in the line, for which a card is
+            refused.
+    """
+
+    points: Reals
+    point_ids: Integers
+    point_places: Integers
+    systems: Integers
+    tets: Integers
+    tet_ids: Integers
+    tet_places: Integers
+    hard: Integers
+    loose: Integers
+    cords: Integers
+    names: Integers
+    state: Integers
+    fields: Integers
+    wrong: Integers
+
+
+def empty_deck(room: int) -> Deck:
+    """Allocate a deck for about so many cards; what is never touched costs no memory."""
+    return Deck(
+        points=np.empty((room, 3), np.float64),
+        point_ids=np.empty(room, np.int64),
+        point_places=np.empty(room, np.int64),
+        systems=np.empty(room, np.int64),
+        tets=np.empty((room, 4), np.int64),
+        tet_ids=np.empty(room, np.int64),
+        tet_places=np.empty(room, np.int64),
+        hard=np.empty((room, 3), np.int64),
+        loose=np.zeros((room, 6), np.int64),
+        cords=np.empty((room, 2), np.int64),
+        names=np.zeros((FULL_NAMES, 2), np.int64),
+        state=np.zeros(12, np.int64),
+        fields=np.zeros((MOST_FIELDS, 2), np.int64),
+        wrong=np.zeros(2, np.int64),
+    )
+
+
+def roomier(deck: Deck) -> Deck:
+    """The same deck, with twice the room in each array that is nearly full."""
+    filled = {
+        POINTS: ("points", "point_ids", "point_places", "systems"),
+        TETS: ("tets", "tet_ids", "tet_places"),
+        HARD: ("hard",),
+        LOOSE: ("loose",),
+        CORDS: ("cords",),
+    }
+    larger = {}
+    for place, names in filled.items():
+        count = int(deck.state[place])
+        for name in names:
+            array = getattr(deck, name)
+            if count + EXTRA > len(array):
+                larger[name] = np.empty((2 * len(array) + EXTRA, *array.shape[1:]), array.dtype)
+                larger[name][:count] = array[:count]
+    return deck._replace(**larger)
+
+
+@kernel
+def scan(text: Bytes, base: int, deck: Deck) -> int:
+    """Go through the cards of a file from `deck.state[POSITION]` on, and fill the deck.
+
+    Args:
+        text: the file.
+        base: how many bytes the files before this one have.
+        deck: in and out.
+
+    Returns:
+        0 at the end; NO_ROOM where the deck needs more room; AT_INCLUDE, with POSITION at the card; or the reason
+        why a card is refused, with its place in `deck.wrong`.
+    """
+    point_ids, point_places, coordinates = deck.point_ids, deck.point_places, deck.points
+    systems, tet_ids, tet_places, corners = deck.systems, deck.tet_ids, deck.tet_places, deck.tets
+    hard_numbers, loose_ones, cards_of_systems = deck.hard, deck.loose, deck.cords
+    state, fields, wrong = deck.state, deck.fields, deck.wrong
+    points, tets, hard, loose, cords = state[POINTS], state[TETS], state[HARD], state[LOOSE], state[CORDS]
+    position, last, quadratic = state[POSITION], state[LAST], state[QUADRATIC]
+    reason, ended = 0, False
+    while position < text.size and reason == 0 and not ended:
+        crowded = points + EXTRA > len(point_ids) or tets + EXTRA > len(tet_ids) or hard + EXTRA > len(hard_numbers)
+        if crowded or loose + EXTRA > len(loose_ones) or cords + EXTRA > len(cards_of_systems):
+            reason = NO_ROOM
+            break
+        place = position
+        kind = line_kind(text, place)
+        if kind == CTETRA:
+            position = take_plain_tetra(text, place, tet_ids, corners, tets)
+            if position == place:
+                reason, count, position = split_card(text, place, fields, wrong)
+                enough = count >= 6
+                if reason == DANGLING:
+                    loose, reason = note_lost(loose_ones, loose, wrong, base, place, kind, tets, count), 0
+                elif reason == 0 and not enough:
+                    reason = DANGLING
+                if reason == 0 and enough:
+                    quadratic += count > 6 and fields[6, 0] < fields[6, 1]
+                    reason = take_tetra(text, fields, count, tet_ids, corners, tets, wrong)
+            tet_places[tets] = base + place
+            tets += 1
+        elif kind == GRID:
+            position = take_plain_point(text, place, point_ids, systems, coordinates, points)
+            if position == place:
+                reason, count, position = split_card(text, place, fields, wrong)
+                cut = position >= text.size and text[text.size - 1] != NEWLINE
+                enough = count >= 5
+                if reason == DANGLING:
+                    loose, reason = note_lost(loose_ones, loose, wrong, base, place, kind, points, count), 0
+                elif reason == 0 and not enough:
+                    reason = DANGLING
+                if reason == 0 and enough:
+                    reason = take_point(text, fields, cut, point_ids, systems, coordinates, points, wrong)
+                for k in range(3 if enough else 0):
+                    if reason == 0 and np.isnan(coordinates[points, k]):
+                        hard_numbers[hard, 0] = 3 * points + k
+                        hard_numbers[hard, 1] = base + fields[2 + k, 0]
+                        hard_numbers[hard, 2] = base + fields[2 + k, 1]
+                        hard += 1
+            point_places[points] = base + place
+            points += 1
+        elif kind == GRDSET:  # the defaults of all GRIDs
+            reason, count, position = split_card(text, place, fields, wrong)
+            reason = 0 if reason == DANGLING else reason
+            system = parse_integer(text, fields[1, 0], fields[1, 1]) if fields[1, 0] < fields[1, 1] else 0
+            if reason == 0 and system < 0:
+                reason = at_field(fields, 1, wrong, SYSTEM)
+            state[DEFAULT_SYSTEM] = system
+        elif is_cord(kind):
+            cards_of_systems[cords, 0], cards_of_systems[cords, 1] = kind, base + place
+            cords += 1
+            position = line_end(text, place) + 1
+        elif kind == ENDDATA or (kind == END and line_kind(text, place + 3) == BULK):
+            ended = True
+        elif kind == INCLUDE or kind >> 8 == INCLUDE:  # a quote may follow at once
+            reason = AT_INCLUDE
+        elif (last == GRID or last == CTETRA) and text[place] == EQUALS:
+            reason = REPLICATED
+            wrong[0] = wrong[1] = place
+        else:
+            if kind == BEGIN:  # so far it was executive and case control
+                state[BEGUN], state[NAMES] = 1, 0
+            elif kind == CONTINUATION and (last == GRID or last == CTETRA):
+                loose = note_lost(loose_ones, loose, wrong, base, place, NOTHING, NOTHING, NOTHING)
+            elif kind != NOTHING and kind != CONTINUATION:
+                count_name(deck.names, state, kind)
+            position = line_end(text, place) + 1
+        if kind != NOTHING and kind != CONTINUATION:
+            last = kind
+    state[POSITION], state[LAST], state[QUADRATIC] = position, last, quadratic
+    state[POINTS], state[TETS], state[HARD], state[LOOSE], state[CORDS] = points, tets, hard, loose, cords
+    if ended:
+        state[ENDED] = 1
+    return reason
+
+
+@kernel
+def note_lost(loose: Integers, row: int, wrong: Integers, base: int, place: int, kind: int, of: int, count: int) -> int:
+    """Write down a card whose continuation stands elsewhere, or a line that stands elsewhere; return the next row."""
+    loose[row, 0], loose[row, 1] = base + wrong[0], base + wrong[1]
+    loose[row, 2], loose[row, 3], loose[row, 4], loose[row, 5] = base + place, kind, of, count
+    return row + 1
+
+
+@kernel
+def is_cord(kind: int) -> bool:
+    """Tell whether a card defines coordinate systems."""
+    return bool(
+        kind == CORD2R or kind == CORD2C or kind == CORD2S or kind == CORD1R or kind == CORD1C or kind == CORD1S
+    )
+
+
+@kernel
+def count_name(names: Integers, state: Integers, kind: int) -> None:
+    """Count a card of another name; the last place is for all names beyond the first FULL_NAMES - 1."""
+    k = 0
+    while k < state[NAMES] and names[k, 0] != kind:
+        k += 1
+    if k == FULL_NAMES:
+        k -= 1
+    elif k == state[NAMES]:
+        names[k, 0], names[k, 1] = kind if k < FULL_NAMES - 1 else OTHERS, 0
+        state[NAMES] = k + 1
+    names[k, 1] += 1
+
+
+@kernel
+def take_point(
+    text: Bytes,
+    fields: Integers,
+    cut: bool,
+    ids: Integers,
+    systems: Integers,
+    points: Reals,
+    row: int,
+    wrong: Integers,
+) -> int:
+    """Put a GRID into a row of `ids`, `systems` and `points`; return the reason against it, or 0.
+
+    Args:
+        text: the file.
+        fields: id, coordinate system, x, y, z and others: see `Deck`.
+        cut: whether the file ends with this card, without a newline.
+        ids: out, see `Deck`.
+        systems: out, see `Deck`.
+        points: out, see `Deck`; NaN for a number that is left to `parse_hard`.
+        row: where to put it.
+        wrong: out, see `Deck`.
+    """
+    reason = 0
+    ids[row] = parse_integer(text, fields[0, 0], fields[0, 1])
+    systems[row] = GRDSET_SYSTEM
+    if ids[row] <= 0:
+        reason = at_field(fields, 0, wrong, INTEGER)
+    elif fields[1, 0] < fields[1, 1]:
+        systems[row] = parse_integer(text, fields[1, 0], fields[1, 1])
+        if systems[row] < 0:
+            reason = at_field(fields, 1, wrong, SYSTEM)
+    for k in range(3):
+        begin, end = fields[2 + k, 0], fields[2 + k, 1]
+        status, value = EXACT, 0.0  # a blank coordinate is 0
+        if reason == 0 and begin < end:
+            status, value = parse_real(text, begin, end)
+        elif reason == 0 and cut:
+            reason = CUT
+        if status == MALFORMED:
+            reason = at_field(fields, 2 + k, wrong, REAL)
+        points[row, k] = value
+    return reason
+
+
+@kernel
+def take_tetra(
+    text: Bytes, fields: Integers, count: int, ids: Integers, tets: Integers, row: int, wrong: Integers
+) -> int:
+    """Put a CTETRA into a row of `ids` and `tets`; return the reason against it, or 0.
+
+    Its fields are id, property, corner nodes and midside nodes, of which any may be blank or 0. Arguments as for
+    `take_point`.
+    """
+    reason = 0
+    ids[row] = parse_integer(text, fields[0, 0], fields[0, 1])
+    if ids[row] <= 0:
+        reason = at_field(fields, 0, wrong, INTEGER)
+    for k in range(2, count):
+        blank = fields[k, 0] == fields[k, 1]
+        node = 0 if blank else parse_integer(text, fields[k, 0], fields[k, 1])
+        if reason == 0 and k < 6:
+            tets[row, k - 2] = node
+            if blank:
+                reason = INCOMPLETE
+            elif node <= 0:
+                reason = at_field(fields, k, wrong, INTEGER)
+        elif reason == 0 and node < 0:
+            reason = at_field(fields, k, wrong, INTEGER)
+    return reason
+
+
+@kernel
+def at_field(fields: Integers, field: int, wrong: Integers, reason: int) -> int:
+    """Set the wrong span to a field, and return the reason."""
+    wrong[0], wrong[1] = fields[field, 0], fields[field, 1]
+    return reason
+
+
+# The commonest cards, in one pass over their bytes: whole, in small or large field, without comments, each followed
+# by another card. Where anything is otherwise they return `place` again, for `split_card` to look into.
+
+
+@kernel
+def take_plain_tetra(text: Bytes, place: int, ids: Integers, tets: Integers, row: int) -> int:
+    """Put a CTETRA of six whole numbers into a row; return the place of the next line, or `place`."""
+    following = place
+    if place + 8 + 8 + 6 * 16 + 8 < text.size:
+        form = plain_form(text, place + 6)
+        width = 16 if form == LARGE else 8
+        plain, begin = form != OTHER, place + 8
+        for k in range(6):
+            if k == 4 and form == LARGE and plain:
+                begin = next_starred(text, begin)
+                plain = begin > 0
+            number = 0
+            if plain:
+                i, end = begin, begin + width
+                while i < end and text[i] == BLANK:
+                    i += 1
+                while i < end and ZERO <= text[i] <= NINE and number < MANY:
+                    number = 10 * number + int(text[i]) - ZERO
+                    i += 1
+                while i < end and text[i] == BLANK:
+                    i += 1
+                # the last one may end with its line
+                plain = number > 0 and (i == end or (k == 5 and (text[i] == NEWLINE or text[i] == RETURN)))
+                begin = i
+            if k == 0:
+                ids[row] = number
+            elif k >= 2:
+                tets[row, k - 2] = number
+        if plain:
+            following = next_card(text, begin, place)
+    return following
+
+
+@kernel
+def take_plain_point(text: Bytes, place: int, ids: Integers, systems: Integers, points: Reals, row: int) -> int:
+    """Put a GRID with easy numbers into a row; return the place of the next line, or `place`."""
+    following = place
+    if place + 8 + 8 + 5 * 16 + 8 < text.size:
+        form = plain_form(text, place + 4)
+        plain = form != OTHER and text[place + 6] == BLANK and text[place + 7] == BLANK
+        width = 16 if form == LARGE else 8
+        begin = place + 8
+        first, last = without_blanks(text, begin, begin + width)
+        ids[row] = parse_integer(text, first, last)
+        first, last = without_blanks(text, begin + width, begin + 2 * width)
+        systems[row] = parse_integer(text, first, last) if first < last else GRDSET_SYSTEM
+        plain = plain and ids[row] > 0 and (first == last or systems[row] >= 0)
+        begin += 2 * width
+        for k in range(3):
+            if k == 2 and form == LARGE and plain:
+                begin = next_starred(text, begin)
+                plain = begin > 0
+            if plain:
+                end = begin + width
+                if k == 2:  # the last one may end with its line
+                    i = begin
+                    while i < end and text[i] != NEWLINE and text[i] != RETURN:
+                        i += 1
+                    end = i
+                first, last = without_blanks(text, begin, end)
+                status, value = MALFORMED, 0.0
+                if first < last:
+                    status, value = parse_real(text, first, last)
+                plain = status == EXACT
+                points[row, k] = value
+                begin = end
+        if plain:
+            following = next_card(text, begin, place)
+    return following
+
+
+@kernel
+def plain_form(text: Bytes, place: int) -> int:
+    """Tell from the two bytes after its name whether a card is in small or large field; OTHER for anything else."""
+    one, two = text[place], text[place + 1]
+    form = OTHER
+    if one == BLANK and two == BLANK:
+        form = SMALL
+    elif (one == STAR and two == BLANK) or (one == BLANK and two == STAR):
+        form = LARGE
+    return form
+
+
+@kernel
+def without_blanks(text: Bytes, begin: int, end: int) -> tuple[int, int]:
+    """Strip the blanks around a span, but no tabs and no ends of lines."""
+    while begin < end and text[begin] == BLANK:
+        begin += 1
+    while begin < end and text[end - 1] == BLANK:
+        end -= 1
+    return begin, end
+
+
+@kernel
+def next_starred(text: Bytes, place: int) -> int:
+    """Return the place of the first field of the next line, if this one is over and that one begins with `*` and blanks;
+    else 0."""
+    if text[place] == RETURN:
+        place += 1
+    plain = text[place] == NEWLINE and text[place + 1] == STAR
+    for k in range(2, 9):
+        plain = plain and text[place + k] == BLANK
+    return place + 9 if plain else 0
+
+
+@kernel
+def next_card(text: Bytes, begin: int, place: int) -> int:
+    """Return the place of the next line, if this one holds no more and that one begins a card; else `place`."""
+    while begin < text.size and (text[begin] == BLANK or text[begin] == RETURN):
+        begin += 1
+    plain = begin + 1 < text.size and text[begin] == NEWLINE and text[begin + 1] > COMMA
+    return begin + 1 if plain else place
