@@ -1,6 +1,7 @@
 """The Nastran reader against a naive twin, deck by deck, refusal by refusal; the writer by its round trip."""
 
 import re
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from tests.meshes import single
 from tetrabench.errors import InputError
 from tetrabench.io import read_mesh, write_mesh
 from tetrabench.io.nastran import read_nastran, write_nastran
-from tetrabench.io.nastran.cards import parse_integer, parse_real
+from tetrabench.io.nastran.cards import eight_bytes, parse_eight, parse_integer, parse_real
 from tetrabench.mesh import TetraMesh
 from tetrabench.mesh.models import generate
 
@@ -335,6 +336,31 @@ def test_fields_of_full_width_touch(tmp_path: Path) -> None:
 def test_parse_integer_takes_digits_alone() -> None:
     for text, number in {"": -1, "12": 12, "+1": 1, "+": -1, "9" * 18: 10**18 - 1, "1" * 19: -1, "1e2": -1}.items():
         assert parse_integer(np.frombuffer(f"x{text}x".encode(), np.uint8).copy(), 1, 1 + len(text)) == number
+
+
+def test_parse_eight_takes_digits_between_blanks() -> None:
+    texts = [
+        "",
+        "1",
+        "12345678",
+        "99999999",
+        "   12",
+        "12 ",
+        "  7  ",
+        "00000000",
+        "1 2",
+        "1\t",
+        "+1",
+        "-1",
+        "1.",
+        "!1",
+        "\xff",
+    ]
+    for text in [*texts, *("".join(four) for four in product(" 09/:", repeat=4))]:
+        for spelled in (text.ljust(8), text.rjust(8)):
+            word = eight_bytes(np.frombuffer(f"x{spelled}x".encode("latin-1"), np.uint8).copy(), 1)
+            plain = re.fullmatch(" *[0-9]* *", spelled)
+            assert parse_eight(word) == (int(spelled.strip() or 0) if plain else -1), repr(spelled)
 
 
 # ------------------------------ cut files

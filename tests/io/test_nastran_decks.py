@@ -8,7 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from tests.io.test_nastran import CORNERS, FREE_POINTS, FREE_TETRA, read_text
 from tetrabench.errors import InputError
-from tetrabench.io.nastran import read_nastran
+from tetrabench.io.nastran import read_nastran, source, write_nastran
+from tetrabench.mesh.models import generate
 
 
 def write(folder: Path, **files: str) -> Path:
@@ -105,6 +106,35 @@ def test_include_without_end_is_stopped(tmp_path: Path) -> None:
     twice = {f"g{k}": f"INCLUDE 'g{k + 1}.nas'\n" * 2 for k in range(40)} | {"g40": "$\n"}
     with pytest.raises(InputError, match="or 10000 in all"):
         read_nastran(write(tmp_path, **twice))
+
+
+# ------------------------------ windows
+
+
+@pytest.mark.parametrize("field", ["small", "large", "free"])
+def test_the_window_changes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, field: str) -> None:
+    """Cards, long comments between a card and its continuation, and includes, in windows of any size."""
+    mesh = generate("box", 60)
+    mesh.points[7] *= 1 + 1e-13  # a number left to float()
+    path = tmp_path / "main.nas"
+    write_nastran(mesh, path, field=field)
+    lines = path.read_text().splitlines(keepends=True)
+    for place, comment in ((90, 700), (40, 300), (15, 3)):
+        lines.insert(place, "$" + "x" * comment + "\n")
+    half = next(k for k in range(50, 60) if lines[k][0] in "GC")
+    (tmp_path / "rest.nas").write_text("".join(lines[half:]))
+    path.write_text("\ufeff" + "".join(lines[:half]) + "INCLUDE 'rest.nas'\nGRID,x\n")
+    whole = read_nastran(path)
+    for size in [*range(1, 200, 7), *range(200, 3000, 331)]:
+        monkeypatch.setattr(source, "WINDOW", size)
+        windowed = read_nastran(path)
+        assert windowed.points.tobytes() == whole.points.tobytes()
+        assert windowed.tets.tobytes() == whole.tets.tobytes()
+        assert windowed.tet_ids.tobytes() == whole.tet_ids.tobytes()
+        assert windowed.report == whole.report
+    (tmp_path / "rest.nas").write_text("".join([*lines[half:-1], "CTETRA,1,1,x\n"]))
+    with pytest.raises(InputError, match=rf"rest\.nas:{len(lines) - half}: 'x' is not"):
+        read_nastran(path)
 
 
 # ------------------------------ coordinate systems

@@ -4,6 +4,8 @@ They raise nothing: they return a reason, and leave what was wrong as a span of 
 each line have one way out: numba then does without reference counts of their arrays, which cost more than the work.
 """
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -259,6 +261,47 @@ def parse_integer(text: Bytes, begin: int, end: int) -> int:
         digit = int(text[i]) - ZERO
         number = 10 * number + digit if 0 <= digit <= 9 else -1
         i += 1
+    return number
+
+
+# Eight characters at once, in the bytes of one word (Lemire, Quickly parsing eight digits, 2022; here with blanks
+# before or after the digits). Five times as fast as one by one, and most of a file is whole numbers.
+SEVENS = np.uint64(0x7F7F7F7F7F7F7F7F)
+DIGITS = np.uint64(0x3030303030303030)
+BEYOND_NINE = np.uint64(0x7676767676767676)  # added to the seven low bits, sets the eighth from 10 on
+TOP_BITS = np.uint64(0x8080808080808080)
+SPACED = np.uint64(0x1010101010101010)  # the bit that tells a digit from a blank
+LOW = np.uint64(0xFF)
+
+
+@kernel(allocates=False, inline=True)
+def eight_bytes(text: Bytes, place: int) -> Any:
+    """The eight bytes from `place` on as a word, the first one lowest."""
+    word, at = np.uint64(0), np.uint64(place)
+    for k in range(8):
+        word |= np.uint64(text[at + np.uint64(k)]) << np.uint64(8 * k)
+    return word
+
+
+@kernel(allocates=False, inline=True)
+def parse_eight(word: Any) -> int:
+    """The whole number in a word of `eight_bytes`, 0 where all are blank; -1 for anything but blanks, digits, blanks."""
+    shifts = 0
+    while word >> np.uint64(56) == np.uint64(BLANK) and shifts < 8:
+        word = word << np.uint64(8) | np.uint64(BLANK)
+        shifts += 1
+    digits = (word | SPACED) ^ DIGITS  # a blank becomes 0
+    blanks = (~word & SPACED) >> np.uint64(4)  # 1 in each byte that may be a blank
+    wrong = (((digits & SEVENS) + BEYOND_NINE) | digits) & TOP_BITS
+    wrong |= (blanks * np.uint64(0x0F)) & word  # an exclamation mark, say, which is 1 but for that bit
+    full = blanks * LOW
+    wrong |= full & (~full << np.uint64(8))  # a blank after a digit
+    number = np.int64(-1)
+    if wrong == np.uint64(0):
+        pairs = digits * np.uint64(10) + (digits >> np.uint64(8))  # in the bytes 0, 2, 4, 6
+        tens = (pairs & LOW) * np.uint64(10_000) + (pairs >> np.uint64(16) & LOW) * np.uint64(100)
+        tens += pairs >> np.uint64(32) & LOW
+        number = np.int64(tens * np.uint64(100) + (pairs >> np.uint64(48) & LOW))
     return number
 
 

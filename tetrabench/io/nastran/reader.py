@@ -1,6 +1,5 @@
 """Read Nastran bulk data: the files of a deck, what stands scattered in it, and the mesh it makes."""
 
-import codecs
 import os
 import re
 from collections import Counter
@@ -17,7 +16,6 @@ from tetrabench.io.nastran.cards import (
     BLANK,
     DANGLING,
     MINUS,
-    NEWLINE,
     PLUS,
     REASONS,
     SMALL_D,
@@ -35,6 +33,7 @@ from tetrabench.io.nastran.scan import (
     GRDSET_SYSTEM,
     GRID,
     NO_ROOM,
+    NO_TEXT,
     Deck,
     empty_deck,
     roomier,
@@ -42,6 +41,7 @@ from tetrabench.io.nastran.scan import (
     take_point,
     take_tetra,
 )
+from tetrabench.io.nastran.source import Source, Window, count_lines
 from tetrabench.jit import kernel
 from tetrabench.mesh.check import settle
 from tetrabench.mesh.tetra_mesh import MeshReport, TetraMesh
@@ -74,15 +74,6 @@ def read_nastran(path: str | os.PathLike[str], *, unused: str = "drop", repair: 
     return deck.mesh(unused=unused, repair=repair)
 
 
-@dataclass(frozen=True)
-class Source:
-    """A file of the deck: its bytes, and how many bytes the files before it have."""
-
-    path: Path
-    text: Bytes
-    base: int
-
-
 @dataclass
 class _Deck:
     """A deck while it is read."""
@@ -96,42 +87,44 @@ class _Deck:
 
     def read(self, path: Path, within: tuple[Path, ...]) -> None:
         """Scan a file, and those that it includes where it includes them."""
-        source = self.open(path)
-        if not within:
-            self.deck = empty_deck(len(source.text) // CARD_BYTES + 1024)
-        state = self.deck.state
-        state[scanning.POSITION] = 0
-        reason = NO_ROOM
-        while reason:
-            reason = scan(source.text, source.base, self.deck)
-            self.parse_hard(source)
-            if reason == NO_ROOM:
-                self.deck = roomier(self.deck)
-            elif reason == AT_INCLUDE:
-                place = int(state[scanning.POSITION])
-                name, after = included_name(source.text, place)
-                self.include(name, source, place, (*within, path))
-                state[scanning.POSITION] = len(source.text) if state[scanning.ENDED] else after
-            elif reason:
-                begin, end = (source.base + int(place) for place in self.deck.wrong)
-                raise self.refusal(begin, REASONS[reason].format(field=self.words(begin, end)))
-
-    def open(self, path: Path) -> Source:
-        """Read the bytes of a file."""
-        base = self.sources[-1].base + len(self.sources[-1].text) + 1 if self.sources else 0
-        source = Source(path, read_bytes(path), base)
+        last = self.sources[-1] if self.sources else None
+        source = Source(path, base=last.base + last.size + 1 if last else 0)
         self.sources.append(source)
-        return source
+        if not within:
+            self.deck = empty_deck(source.size // CARD_BYTES + 1024)
+        state = self.deck.state
+        with source.window() as window:
+            position, reason = 0, NO_TEXT
+            while reason:
+                state[scanning.POSITION] = position
+                reason = scan(window.text, window.base, window.whole, self.deck)
+                position = int(state[scanning.POSITION])
+                self.parse_hard(window)
+                if reason == NO_ROOM:
+                    self.deck = roomier(self.deck)
+                elif reason == NO_TEXT:
+                    window.move(position)
+                    position = 0
+                elif reason == AT_INCLUDE:
+                    name, after = included_name(source.text, window.base + position - source.base)
+                    self.include(name, source, window.base + position, (*within, path))
+                    if state[scanning.ENDED]:
+                        break
+                    window.seek(after)
+                    position = 0
+                elif reason:
+                    begin, end = (window.base + int(place) for place in self.deck.wrong)
+                    raise self.refusal(begin, REASONS[reason].format(field=self.words(begin, end)))
 
     def include(self, name: str, source: Source, place: int, within: tuple[Path, ...]) -> None:
         """Read the file of an INCLUDE, looked up next to the file that includes it, then next to the main one."""
         found = find_included(name, [source.path.parent, self.main.parent])
         if found is None:
-            raise self.refusal(source.base + place, f"INCLUDE: there is no file {name!r} here or next to {self.main}")
+            raise self.refusal(place, f"INCLUDE: there is no file {name!r} here or next to {self.main}")
         if any(found.samefile(other) for other in within):
-            raise self.refusal(source.base + place, f"INCLUDE: {name!r} includes itself")
+            raise self.refusal(place, f"INCLUDE: {name!r} includes itself")
         if len(within) >= DEEPEST or len(self.sources) >= MOST_FILES:
-            raise self.refusal(source.base + place, f"INCLUDE: over {DEEPEST} files deep, or {MOST_FILES} in all")
+            raise self.refusal(place, f"INCLUDE: over {DEEPEST} files deep, or {MOST_FILES} in all")
         self.read(found, within)
 
     # ------------------------------------------------------------------ places
@@ -157,14 +150,14 @@ class _Deck:
 
     # ------------------------------------------------------------------ what `scan` leaves over
 
-    def parse_hard(self, source: Source) -> None:
-        """Convert the numbers of a file whose exact value `parse_real` could not reach with one rounding."""
+    def parse_hard(self, window: Window) -> None:
+        """Convert the numbers of a window whose exact value `parse_real` could not reach with one rounding."""
         deck, state = self.deck, self.deck.state
         hard = deck.hard[: state[scanning.HARD]]
         state[scanning.HARD] = 0
         longest = int((hard[:, 2] - hard[:, 1]).max(initial=0)) + 1  # an `e` may be put in
         spelled = np.zeros((len(hard), longest), np.uint8)
-        spell(source.text, source.base, hard, spelled)
+        spell(window.text, window.base, hard, spelled)
         with np.errstate(over="ignore"):
             values = spelled.view(f"S{longest}").ravel().astype(np.float64)
         deck.points.reshape(-1)[hard[:, 0]] = values
@@ -368,22 +361,6 @@ class _Deck:
                         yield int(words[first]), System(form, BASIC, nodes, place)
         except ValueError as error:
             raise self.refusal(place, f"CORD{points}{form}: {error}") from None
-
-
-def read_bytes(path: str | os.PathLike[str]) -> Bytes:
-    """Read a whole file that is not empty."""
-    try:
-        text = np.fromfile(path, np.uint8)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror or error}") from error
-    if not text.size:
-        raise InputError(f"{path}: is empty")
-    return text[3:] if text[:3].tobytes() == codecs.BOM_UTF8 else text
-
-
-def count_lines(text: Bytes) -> int:
-    """Count the newlines, a megabyte at a time: what fits into the processor's cache."""
-    return sum(int(np.count_nonzero(text[i : i + 2**20] == NEWLINE)) for i in range(0, text.size, 2**20))
 
 
 def included_name(text: Bytes, place: int) -> tuple[str, int]:

@@ -17,19 +17,18 @@ from tetrabench.io.nastran.cards import (
     MALFORMED,
     MOST_FIELDS,
     NEWLINE,
-    NINE,
     NOTHING,
     REAL,
     REPLICATED,
-    STAR,
     SYSTEM,
-    ZERO,
     Bytes,
     Integers,
     Reals,
+    eight_bytes,
     kind_of,
     line_end,
     line_kind,
+    parse_eight,
     parse_integer,
     parse_real,
     split_card,
@@ -42,7 +41,7 @@ CORD = {kind_of(f"CORD{number}{form}"): (number, form) for number in (1, 2) for 
 CORD1R, CORD1C, CORD1S, CORD2R, CORD2C, CORD2S = CORD
 
 # Why `scan` stops before the end, beside the reasons against a card.
-NO_ROOM, AT_INCLUDE = 101, 102
+NO_ROOM, NO_TEXT, AT_INCLUDE = 101, 102, 103
 
 # Places in Deck.state.
 POSITION, LAST, BEGUN, ENDED, DEFAULT_SYSTEM, QUADRATIC = range(6)
@@ -53,9 +52,15 @@ BASIC = 0
 FULL_NAMES = 256
 OTHERS = 0  # the kind of all cards of rarer names, where there are too many names
 EXTRA = 8  # rows that one card may take
-OTHER, SMALL, LARGE = range(3)  # forms of a plain card
+POINT_FIELDS, TETRA_FIELDS = 5, 6  # that a GRID and a CTETRA must have
 RETURN = 13
-MANY = 10**17  # numbers from here on are left to parse_integer
+LONGEST_PLAIN = 8 + 8 + 6 * 16 + 2 * 8  # bytes of a card in large field, with room for ends of lines and a word
+SMALL_CTETRA, LARGE_CTETRA, SMALL_GRID, LARGE_GRID, BARE_STAR = (
+    np.uint64(int.from_bytes(name.ljust(8), "little")) for name in (b"CTETRA", b"CTETRA*", b"GRID", b"GRID*", b"*")
+)
+BLANKS = np.uint64(int.from_bytes(b" " * 8, "little"))
+CTETRA_BEGINS, GRID_BEGINS = b"CG"
+NOT_PLAIN = -2  # instead of the number of a coordinate system
 
 
 class Deck(NamedTuple):
@@ -140,17 +145,18 @@ def roomier(deck: Deck) -> Deck:
 
 
 @kernel
-def scan(text: Bytes, base: int, deck: Deck) -> int:
-    """Go through the cards of a file from `deck.state[POSITION]` on, and fill the deck.
+def scan(text: Bytes, base: int, whole: bool, deck: Deck) -> int:
+    """Go through the cards of a window of a file from `deck.state[POSITION]` on, and fill the deck.
 
     Args:
-        text: the file.
-        base: how many bytes the files before this one have.
+        text: the window, which begins at the beginning of a line.
+        base: the place of its first byte.
+        whole: whether the file ends with it; else the scan stops before a card that might go on beyond it.
         deck: in and out.
 
     Returns:
-        0 at the end; NO_ROOM where the deck needs more room; AT_INCLUDE, with POSITION at the card; or the reason
-        why a card is refused, with its place in `deck.wrong`.
+        0 at the end, NO_ROOM where the deck needs more room, NO_TEXT where the window must move on, AT_INCLUDE, each
+        with POSITION at the next card; or the reason why a card is refused, with its place in `deck.wrong`.
     """
     point_ids, point_places, coordinates = deck.point_ids, deck.point_places, deck.points
     systems, tet_ids, tet_places, corners = deck.systems, deck.tet_ids, deck.tet_places, deck.tets
@@ -158,41 +164,61 @@ def scan(text: Bytes, base: int, deck: Deck) -> int:
     state, fields, wrong = deck.state, deck.fields, deck.wrong
     points, tets, hard, loose, cords = state[POINTS], state[TETS], state[HARD], state[LOOSE], state[CORDS]
     position, last, quadratic = state[POSITION], state[LAST], state[QUADRATIC]
+    most_points, most_tets = len(point_ids) - EXTRA, len(tet_ids) - EXTRA
+    most_hard, most_loose, most_cords = (
+        len(hard_numbers) - EXTRA,
+        len(loose_ones) - EXTRA,
+        len(cards_of_systems) - EXTRA,
+    )
+    known_end = text.size if whole else text.size - LONGEST_PLAIN
     reason, ended = 0, False
     while position < text.size and reason == 0 and not ended:
-        crowded = points + EXTRA > len(point_ids) or tets + EXTRA > len(tet_ids) or hard + EXTRA > len(hard_numbers)
-        if crowded or loose + EXTRA > len(loose_ones) or cords + EXTRA > len(cards_of_systems):
+        place = position
+        if points > most_points or tets > most_tets or hard > most_hard or loose > most_loose or cords > most_cords:
             reason = NO_ROOM
             break
-        place = position
-        kind = line_kind(text, place)
+        if place >= known_end:
+            reason = NO_TEXT
+            break
+        position = take_plain_tetra(text, place, tet_ids, corners, tets)
+        if position > place:
+            tet_places[tets] = base + place
+            tets, last = tets + 1, CTETRA
+            continue
+        position = take_plain_point(text, place, point_ids, systems, coordinates, points)
+        if position > place:
+            point_places[points] = base + place
+            points, last = points + 1, GRID
+            continue
+
+        kind, count = line_kind(text, place), 0
+        if kind == CTETRA or kind == GRID or kind == GRDSET:
+            reason, count, position = split_card(text, place, fields, wrong)
+        elif kind != INCLUDE:
+            position = line_end(text, place) + 1
+        if not whole and position >= known_end:
+            position, reason = place, NO_TEXT
+            break
+        dangling = reason == DANGLING
         if kind == CTETRA:
-            position = take_plain_tetra(text, place, tet_ids, corners, tets)
-            if position == place:
-                reason, count, position = split_card(text, place, fields, wrong)
-                enough = count >= 6
-                if reason == DANGLING:
-                    loose, reason = note_lost(loose_ones, loose, wrong, base, place, kind, tets, count), 0
-                elif reason == 0 and not enough:
-                    reason = DANGLING
-                if reason == 0 and enough:
-                    quadratic += count > 6 and fields[6, 0] < fields[6, 1]
-                    reason = take_tetra(text, fields, count, tet_ids, corners, tets, wrong)
+            if dangling:
+                loose, reason = note_lost(loose_ones, loose, wrong, base, place, kind, tets, count), 0
+            if reason == 0 and count < TETRA_FIELDS:
+                reason = 0 if dangling else DANGLING
+            elif reason == 0:
+                quadratic += count > TETRA_FIELDS and fields[TETRA_FIELDS, 0] < fields[TETRA_FIELDS, 1]
+                reason = take_tetra(text, fields, count, tet_ids, corners, tets, wrong)
             tet_places[tets] = base + place
             tets += 1
         elif kind == GRID:
-            position = take_plain_point(text, place, point_ids, systems, coordinates, points)
-            if position == place:
-                reason, count, position = split_card(text, place, fields, wrong)
-                cut = position >= text.size and text[text.size - 1] != NEWLINE
-                enough = count >= 5
-                if reason == DANGLING:
-                    loose, reason = note_lost(loose_ones, loose, wrong, base, place, kind, points, count), 0
-                elif reason == 0 and not enough:
-                    reason = DANGLING
-                if reason == 0 and enough:
-                    reason = take_point(text, fields, cut, point_ids, systems, coordinates, points, wrong)
-                for k in range(3 if enough else 0):
+            cut = position >= text.size and text[text.size - 1] != NEWLINE
+            if dangling:
+                loose, reason = note_lost(loose_ones, loose, wrong, base, place, kind, points, count), 0
+            if reason == 0 and count < POINT_FIELDS:
+                reason = 0 if dangling else DANGLING
+            elif reason == 0:
+                reason = take_point(text, fields, cut, point_ids, systems, coordinates, points, wrong)
+                for k in range(3):
                     if reason == 0 and np.isnan(coordinates[points, k]):
                         hard_numbers[hard, 0] = 3 * points + k
                         hard_numbers[hard, 1] = base + fields[2 + k, 0]
@@ -201,8 +227,7 @@ def scan(text: Bytes, base: int, deck: Deck) -> int:
             point_places[points] = base + place
             points += 1
         elif kind == GRDSET:  # the defaults of all GRIDs
-            reason, count, position = split_card(text, place, fields, wrong)
-            reason = 0 if reason == DANGLING else reason
+            reason = 0 if dangling else reason
             system = parse_integer(text, fields[1, 0], fields[1, 1]) if fields[1, 0] < fields[1, 1] else 0
             if reason == 0 and system < 0:
                 reason = at_field(fields, 1, wrong, SYSTEM)
@@ -210,22 +235,20 @@ def scan(text: Bytes, base: int, deck: Deck) -> int:
         elif is_cord(kind):
             cards_of_systems[cords, 0], cards_of_systems[cords, 1] = kind, base + place
             cords += 1
-            position = line_end(text, place) + 1
         elif kind == ENDDATA or (kind == END and line_kind(text, place + 3) == BULK):
             ended = True
         elif kind == INCLUDE or kind >> 8 == INCLUDE:  # a quote may follow at once
-            reason = AT_INCLUDE
+            position, reason = place, AT_INCLUDE
+        elif kind == BEGIN:  # so far it was executive and case control
+            state[BEGUN], state[NAMES] = 1, 0
         elif (last == GRID or last == CTETRA) and text[place] == EQUALS:
             reason = REPLICATED
             wrong[0] = wrong[1] = place
-        else:
-            if kind == BEGIN:  # so far it was executive and case control
-                state[BEGUN], state[NAMES] = 1, 0
-            elif kind == CONTINUATION and (last == GRID or last == CTETRA):
-                loose = note_lost(loose_ones, loose, wrong, base, place, NOTHING, NOTHING, NOTHING)
-            elif kind != NOTHING and kind != CONTINUATION:
-                count_name(deck.names, state, kind)
-            position = line_end(text, place) + 1
+        elif kind == CONTINUATION and (last == GRID or last == CTETRA):
+            wrong[0] = wrong[1] = place
+            loose = note_lost(loose_ones, loose, wrong, base, place, NOTHING, NOTHING, NOTHING)
+        elif kind != NOTHING and kind != CONTINUATION:
+            count_name(deck.names, state, kind)
         if kind != NOTHING and kind != CONTINUATION:
             last = kind
     state[POSITION], state[LAST], state[QUADRATIC] = position, last, quadratic
@@ -352,33 +375,35 @@ def at_field(fields: Integers, field: int, wrong: Integers, reason: int) -> int:
 def take_plain_tetra(text: Bytes, place: int, ids: Integers, tets: Integers, row: int) -> int:
     """Put a CTETRA of six whole numbers into a row; return the place of the next line, or `place`."""
     following = place
-    if place + 8 + 8 + 6 * 16 + 8 < text.size:
-        form = plain_form(text, place + 6)
-        width = 16 if form == LARGE else 8
-        plain, begin = form != OTHER, place + 8
-        for k in range(6):
-            if k == 4 and form == LARGE and plain:
-                begin = next_starred(text, begin)
-                plain = begin > 0
-            number = 0
-            if plain:
-                i, end = begin, begin + width
-                while i < end and text[i] == BLANK:
-                    i += 1
-                while i < end and ZERO <= text[i] <= NINE and number < MANY:
-                    number = 10 * number + int(text[i]) - ZERO
-                    i += 1
-                while i < end and text[i] == BLANK:
-                    i += 1
-                # the last one may end with its line
-                plain = number > 0 and (i == end or (k == 5 and (text[i] == NEWLINE or text[i] == RETURN)))
-                begin = i
-            if k == 0:
-                ids[row] = number
-            elif k >= 2:
-                tets[row, k - 2] = number
-        if plain:
-            following = next_card(text, begin, place)
+    if place + LONGEST_PLAIN < text.size and text[place] == CTETRA_BEGINS:
+        name = eight_bytes(text, place)
+        if name == SMALL_CTETRA:
+            number = parse_eight(eight_bytes(text, place + 8))
+            least = min(number, parse_eight(eight_bytes(text, place + 16)) + 1)  # the property may be blank
+            ids[row] = number
+            for k in range(3):
+                number = parse_eight(eight_bytes(text, place + 24 + 8 * k))
+                least = min(least, number)
+                tets[row, k] = number
+            number, end = parse_last(text, place + 48, place + 56)
+            tets[row, 3] = number
+            if min(least, number) > 0:
+                following = next_card(text, end, place)
+        elif name == LARGE_CTETRA:
+            number = parse_sixteen(text, place + 8)
+            least = min(number, parse_sixteen(text, place + 24) + 1)
+            ids[row] = number
+            for k in range(2):
+                number = parse_sixteen(text, place + 40 + 16 * k)
+                least = min(least, number)
+                tets[row, k] = number
+            begin = next_starred(text, place + 72)
+            if least > 0 and begin > 0:
+                number = parse_sixteen(text, begin)
+                tets[row, 2] = number
+                tets[row, 3], end = parse_last(text, begin + 16, begin + 32)
+                if min(number, tets[row, 3]) > 0:
+                    following = next_card(text, end, place)
     return following
 
 
@@ -386,28 +411,31 @@ def take_plain_tetra(text: Bytes, place: int, ids: Integers, tets: Integers, row
 def take_plain_point(text: Bytes, place: int, ids: Integers, systems: Integers, points: Reals, row: int) -> int:
     """Put a GRID with easy numbers into a row; return the place of the next line, or `place`."""
     following = place
-    if place + 8 + 8 + 5 * 16 + 8 < text.size:
-        form = plain_form(text, place + 4)
-        plain = form != OTHER and text[place + 6] == BLANK and text[place + 7] == BLANK
-        width = 16 if form == LARGE else 8
-        begin = place + 8
-        first, last = without_blanks(text, begin, begin + width)
-        ids[row] = parse_integer(text, first, last)
-        first, last = without_blanks(text, begin + width, begin + 2 * width)
-        systems[row] = parse_integer(text, first, last) if first < last else GRDSET_SYSTEM
-        plain = plain and ids[row] > 0 and (first == last or systems[row] >= 0)
-        begin += 2 * width
+    if place + LONGEST_PLAIN < text.size and text[place] == GRID_BEGINS:
+        name = eight_bytes(text, place)
+        begin, system = place + 8, GRDSET_SYSTEM
+        if name == SMALL_GRID:
+            ids[row] = parse_eight(eight_bytes(text, begin))
+            if eight_bytes(text, begin + 8) != BLANKS:
+                system = parse_eight(eight_bytes(text, begin + 8))
+                system = NOT_PLAIN if system < 0 else system
+            begin, width = begin + 16, 8
+        else:
+            ids[row] = parse_sixteen(text, begin) if name == LARGE_GRID else -1
+            if eight_bytes(text, begin + 16) != BLANKS or eight_bytes(text, begin + 24) != BLANKS:
+                system = parse_sixteen(text, begin + 16)
+                system = NOT_PLAIN if system < 0 else system
+            begin, width = begin + 32, 16
+        plain = ids[row] > 0 and system != NOT_PLAIN
+        systems[row] = system
         for k in range(3):
-            if k == 2 and form == LARGE and plain:
+            if k == 2 and width == 16 and plain:
                 begin = next_starred(text, begin)
                 plain = begin > 0
             if plain:
                 end = begin + width
                 if k == 2:  # the last one may end with its line
-                    i = begin
-                    while i < end and text[i] != NEWLINE and text[i] != RETURN:
-                        i += 1
-                    end = i
+                    end = line_end_before(text, begin, end)
                 first, last = without_blanks(text, begin, end)
                 status, value = MALFORMED, 0.0
                 if first < last:
@@ -420,19 +448,44 @@ def take_plain_point(text: Bytes, place: int, ids: Integers, systems: Integers, 
     return following
 
 
-@kernel
-def plain_form(text: Bytes, place: int) -> int:
-    """Tell from the two bytes after its name whether a card is in small or large field; OTHER for anything else."""
-    one, two = text[place], text[place + 1]
-    form = OTHER
-    if one == BLANK and two == BLANK:
-        form = SMALL
-    elif (one == STAR and two == BLANK) or (one == BLANK and two == STAR):
-        form = LARGE
-    return form
+@kernel(allocates=False)
+def parse_sixteen(text: Bytes, place: int) -> int:
+    """The whole number in 16 columns, 0 where all are blank; -1 for anything else than `parse_eight` takes."""
+    first, second = eight_bytes(text, place), eight_bytes(text, place + 8)
+    high, low = parse_eight(first), parse_eight(second)
+    number = np.int64(-1)
+    if first == BLANKS:
+        number = low
+    elif second == BLANKS:
+        number = high
+    elif min(high, low) >= 0 and min(text[place + 7], text[place + 8], text[place + 15]) > BLANK:
+        number = 100_000_000 * high + low
+    return number
 
 
-@kernel
+@kernel(allocates=False)
+def parse_last(text: Bytes, place: int, end: int) -> tuple[int, int]:
+    """The whole number in a field that may end with its line, 0 or less for anything else; and the end of the field."""
+    if end - place == 8:
+        number = parse_eight(eight_bytes(text, place))
+    else:
+        number = parse_sixteen(text, place)
+    if number < 0:
+        end = line_end_before(text, place, end)
+        first, last = without_blanks(text, place, end)
+        number = parse_integer(text, first, last)
+    return number, end
+
+
+@kernel(allocates=False)
+def line_end_before(text: Bytes, place: int, end: int) -> int:
+    """Return the end of the line, or `end` if that comes first."""
+    while place < end and text[place] != NEWLINE and text[place] != RETURN:
+        place += 1
+    return place
+
+
+@kernel(allocates=False)
 def without_blanks(text: Bytes, begin: int, end: int) -> tuple[int, int]:
     """Strip the blanks around a span, but no tabs and no ends of lines."""
     while begin < end and text[begin] == BLANK:
@@ -442,19 +495,16 @@ def without_blanks(text: Bytes, begin: int, end: int) -> tuple[int, int]:
     return begin, end
 
 
-@kernel
+@kernel(allocates=False)
 def next_starred(text: Bytes, place: int) -> int:
     """Return the place of the first field of the next line, if this one is over and that one begins with `*` and blanks;
     else 0."""
     if text[place] == RETURN:
         place += 1
-    plain = text[place] == NEWLINE and text[place + 1] == STAR
-    for k in range(2, 9):
-        plain = plain and text[place + k] == BLANK
-    return place + 9 if plain else 0
+    return place + 9 if text[place] == NEWLINE and eight_bytes(text, place + 1) == BARE_STAR else 0
 
 
-@kernel
+@kernel(allocates=False)
 def next_card(text: Bytes, begin: int, place: int) -> int:
     """Return the place of the next line, if this one holds no more and that one begins a card; else `place`."""
     while begin < text.size and (text[begin] == BLANK or text[begin] == RETURN):
