@@ -100,13 +100,14 @@ def test_no_size_is_too_small_or_too_large(size: float) -> None:
     assert np.array_equal(hilbert_keys(corners), expected)
 
 
-def test_points_that_are_not_finite_change_no_others_key(rng: np.random.Generator) -> None:
-    points = rng.random((100, 3))
-    strange = np.array([[np.inf, 0.5, 0.5], [-np.inf, 0.5, 0.5], [np.nan, 0.5, 0.5], [np.nan] * 3])
-    keys = hilbert_keys(np.concatenate([strange, points]))
-    assert np.array_equal(keys[4:], hilbert_keys(points))
-    assert (keys < 2**63).all()
-    assert hilbert_keys(strange[2:]).tolist() == [0] * 2  # no box at all
+def test_what_is_not_finite_is_taken_as_on_the_border_and_changes_no_others_key(rng: np.random.Generator) -> None:
+    points = np.concatenate([np.zeros((1, 3)), np.ones((1, 3)), rng.random((100, 3))])
+    strange = np.array([[np.inf, 0.3, 0.4], [0.6, -np.inf, 0.5], [0.5, 0.6, np.nan], [np.nan, np.inf, -np.inf]])
+    border = np.array([[1.0, 0.3, 0.4], [0.6, 0.0, 0.5], [0.5, 0.6, 0.0], [0.0, 1.0, 0.0]])
+    keys = hilbert_keys(np.concatenate([points, strange]))
+    assert np.array_equal(keys, hilbert_keys(np.concatenate([points, border])))
+    assert np.array_equal(keys[:-4], hilbert_keys(points))
+    assert hilbert_keys(np.full((70, 3), np.nan)).tolist() == [0] * 70  # no box at all
 
 
 def test_bits_out_of_range() -> None:

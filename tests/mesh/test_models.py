@@ -1,6 +1,7 @@
 """Models: conforming, positive, of the size asked for, the same bits for the same seed."""
 
 import math
+from collections.abc import Callable
 from itertools import combinations
 
 import numpy as np
@@ -12,6 +13,7 @@ from scipy.sparse.csgraph import connected_components
 from tests.meshes import single
 from tetrabench.cli import main
 from tetrabench.errors import InputError
+from tetrabench.mesh import TetraMesh
 from tetrabench.mesh.check import check_mesh
 from tetrabench.mesh.models import MODELS, generate
 from tetrabench.mesh.quality import signed_volumes, smallest_dihedral_angle
@@ -96,6 +98,21 @@ def test_no_seed_turns_a_tetra_over(name: str, seed: int) -> None:
     assert smallest_dihedral_angle(mesh.points, mesh.tets) > 5
 
 
+@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("tets", [777, 3000, 10_000])
+def test_points_stay_near_their_place(name: str, tets: int) -> None:
+    """No coordinate moves further than a sixth of the shortest edge there."""
+    regular = MODELS[name].build(tets)
+    starts, ends = simplices(regular.tets, 2)[0].T
+    lengths = np.linalg.norm(regular.points[starts] - regular.points[ends], axis=1)
+    shortest = np.full(len(regular.points), np.inf)
+    for side in (starts, ends):
+        np.minimum.at(shortest, side, lengths)
+    shift = np.abs(generate(name, tets).points - regular.points).max(axis=1)
+    assert (shift <= shortest / 6).all()
+    assert shift.max() > 0
+
+
 def test_nozzle_is_round_and_converges_and_diverges() -> None:
     mesh = generate("nozzle", 5000)
     faces, of_face = simplices(mesh.tets, 3)
@@ -145,9 +162,8 @@ def test_intake_is_bent_and_goes_from_round_to_flat() -> None:
     assert np.hypot(u / 0.020, v / 0.032)[end].max() > 1.15  # its corners stand out
 
 
-def test_intake_holds_each_point_once_and_none_that_lies_outside(rng: np.random.Generator) -> None:
-    """A bent body: by the definition of the pipe, against all tetras one by one."""
-    mesh = generate("intake", 3000)
+def holders_in(mesh: TetraMesh) -> Callable[[np.ndarray], int]:
+    """A function that says how many tetras hold a point, having asked all of them."""
     a, b, c, d = (mesh.points[mesh.tets[:, k]] for k in range(4))
     to_barycentric = np.linalg.inv(np.stack([b - a, c - a, d - a], axis=2))
 
@@ -155,6 +171,22 @@ def test_intake_holds_each_point_once_and_none_that_lies_outside(rng: np.random.
         shares = np.einsum("tij,tj->ti", to_barycentric, point - a)
         return int(((shares >= 0).all(axis=1) & (shares.sum(axis=1) <= 1)).sum())
 
+    return holders
+
+
+@pytest.mark.parametrize("tets", [1, 777, 10_000])
+def test_intake_is_not_convex(tets: int) -> None:
+    mesh = generate("intake", tets)
+    holders = holders_in(mesh)
+    inlet, outlet = (mesh.points[mesh.points @ way == (mesh.points @ way).max()] for way in ([0, 0, -1], [1, 0, 0]))
+    assert holders(inlet.mean(axis=0) + [0.0, 1e-5, 1e-5]) == 1
+    assert holders(outlet.mean(axis=0) - [1e-5, 1e-5, 0.0]) == 1
+    assert holders((inlet.mean(axis=0) + outlet.mean(axis=0)) / 2) == 0  # half way, in the elbow
+
+
+def test_intake_holds_each_point_once_and_none_that_lies_outside(rng: np.random.Generator) -> None:
+    """A bent body: by the definition of the pipe, against all tetras one by one."""
+    holders = holders_in(generate("intake", 3000))
     counts = {0: 0, 1: 0}
     for point in rng.uniform([-0.04, -0.04, 0], [0.15, 0.04, 0.19], (2000, 3)):
         place, u, v = section(point)
@@ -164,8 +196,6 @@ def test_intake_holds_each_point_once_and_none_that_lies_outside(rng: np.random.
             assert holders(point) == (level < 1)
             counts[int(level < 1)] += 1
     assert min(counts.values()) > 300
-    elbow = np.array([0.075, 0, 0.075])  # half way from the middle of the inlet to that of the outlet
-    assert holders(elbow) == 0
 
 
 def test_intake_has_the_volume_of_its_sections() -> None:
