@@ -83,7 +83,7 @@ def test_unknown_names_are_answered_with_the_nearest():
     assert "did you mean 'v3y'?" in refusal(*RUN, "--backend", "v3,v3yy")
     assert "did you mean 'explode'?" in refusal(*RUN, "--scenario", "exploed")
     assert "there are: tetra" in refusal(*RUN, "--family", "tetras")
-    assert "nozzle, box" in refusal("generate", "nozle", "-o", "nozzle.nas")
+    assert "did you mean 'nozzle'?" in refusal("generate", "nozle", "-o", "nozzle.nas")
 
 
 def test_bad_results_are_refused(tmp_path: Path):

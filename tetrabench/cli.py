@@ -72,14 +72,24 @@ def check_folder(ctx: click.Context, param: click.Parameter, path: Path | None) 
     return path
 
 
+def check_numbering(ctx: click.Context, param: click.Parameter, name: str) -> str:
+    """The name of a numbering, looked up before the work."""
+    from tetrabench.errors import find_named
+    from tetrabench.mesh.numbering import NUMBERINGS
+
+    find_named("numbering", NUMBERINGS, name)
+    return name
+
+
 seed_option = click.option("--seed", default=0, help="Of all that is random.", show_default=True)
 family_option = click.option("--family", default="tetra", show_default=True, help="The kind of thing to store.")
 numbering_option = click.option(
     "--numbering",
-    type=click.Choice(["natural", "shuffled"]),
+    metavar="natural|shuffled|hilbert|rcm",  # those of mesh.numbering: help must not wait for numpy
+    callback=check_numbering,
     default="natural",
     show_default=True,
-    help="Order of the points and tetras of a generated model.",
+    help="Order of points and tetras: as they come, at random, along a Hilbert curve, or by reverse Cuthill-McKee.",
 )
 format_option = click.option(
     "--format",
@@ -192,7 +202,7 @@ def list_(what: str, family: str) -> None:
 
 
 @main.command()
-@click.argument("model", metavar="nozzle|box")
+@click.argument("model", metavar="nozzle|intake|box")
 @click.option("--tets", callback=read_count, metavar="N", help="Wanted number of tetras, such as 100k.")
 @numbering_option
 @seed_option

@@ -1,5 +1,11 @@
 """What can go wrong for a person, with the exit code the command line gives it."""
 
+import difflib
+from collections.abc import Mapping
+from typing import TypeVar
+
+_Member = TypeVar("_Member")
+
 
 class TetrabenchError(Exception):
     """One clear line for a person: what is wrong and what to do next. Never a traceback."""
@@ -17,3 +23,16 @@ class WrongAnswerError(TetrabenchError):
     """A contestant's cell crashed or gave another answer than the others."""
 
     exit_code = 3
+
+
+def find_named(kind: str, known: Mapping[str, _Member], name: str) -> _Member:
+    """Look up a name that a person typed; `kind` says what it is the name of.
+
+    Raises:
+        InputError: there is none of that name; says which there are, and which of them is meant where one is close.
+    """
+    if name in known:
+        return known[name]
+    near = difflib.get_close_matches(name.lower(), known, n=1)
+    hint = f"did you mean '{near[0]}'? " if near else ""
+    raise InputError(f"no {kind} '{name}'; {hint}there are: {', '.join(known) or 'none'}")

@@ -5,16 +5,13 @@ An entry point is named after its family, and names an explicit table: one `Fami
 `tetrabench.scenarios`. Only the tables of the family that is asked for are imported.
 """
 
-import difflib
 import functools
 from collections.abc import Iterable
 from importlib.metadata import EntryPoint, entry_points
-from typing import Any, TypeVar
+from typing import Any
 
-from tetrabench.errors import InputError
+from tetrabench.errors import InputError, find_named
 from tetrabench.protocols import Contestant, Family, Scenario
-
-_Member = TypeVar("_Member")
 
 
 def families() -> list[Family]:
@@ -32,7 +29,7 @@ def family(name: str) -> Family:
     Raises:
         InputError: its plug-in cannot be imported, two of them use one name, or there is none of that name.
     """
-    loaded: Family = _load(_find("family", _families(), name))
+    loaded: Family = _load(find_named("family", _families(), name))
     return loaded
 
 
@@ -52,7 +49,7 @@ def contestant(family_name: str, name: str) -> Contestant:
         InputError: as `contestants`, or there is none of that name.
     """
     known: dict[str, Contestant] = _members("tetrabench.contestants", family_name)
-    return _find("backend", known, name)
+    return find_named("backend", known, name)
 
 
 def scenarios(family_name: str) -> list[Scenario]:
@@ -71,15 +68,7 @@ def scenario(family_name: str, name: str) -> Scenario:
         InputError: as `scenarios`, or there is none of that name.
     """
     known: dict[str, Scenario] = _members("tetrabench.scenarios", family_name)
-    return _find("scenario", known, name)
-
-
-def _find(kind: str, known: dict[str, _Member], name: str) -> _Member:
-    if name in known:
-        return known[name]
-    near = difflib.get_close_matches(name.lower(), known, n=1)
-    hint = f"did you mean '{near[0]}'? " if near else ""
-    raise InputError(f"no {kind} '{name}'; {hint}there are: {', '.join(known) or 'none'}")
+    return find_named("scenario", known, name)
 
 
 @functools.cache
@@ -90,7 +79,7 @@ def _families() -> dict[str, EntryPoint]:
 
 @functools.cache
 def _members(group: str, family_name: str) -> dict[str, Any]:
-    _find("family", _families(), family_name)
+    find_named("family", _families(), family_name)
     found = _entry_points(group)
     for entry in found:
         if entry.name not in _families():  # else a plug-in's table would go unnoticed

@@ -103,7 +103,7 @@ def make_plan(
         quick: 3 rounds instead of 5.
         rounds: so many instead.
         tets: size of a generated model, in elements.
-        numbering: of a generated model, "natural" or "shuffled".
+        numbering: of a generated model: "natural", "shuffled", "hilbert" or "rcm".
         seed: of a generated model, and of the order of turns.
 
     Raises:

@@ -1,37 +1,93 @@
-"""The order of points and tets in memory: as the mesh came, or at random, the worst case for any cache."""
+"""The order of points and tets in memory: as the mesh came, at random (the worst case for any cache), or so that
+neighbours in space, or in the graph of the edges, are neighbours in memory."""
 
+from collections.abc import Callable
 from dataclasses import replace
+from itertools import permutations
 
 import numpy as np
+from numpy.typing import NDArray
 
-from tetrabench.errors import InputError
+from tetrabench.errors import find_named
+from tetrabench.mesh.hilbert import hilbert_order
 from tetrabench.mesh.tetra_mesh import TetraMesh
 
-NUMBERINGS = ("natural", "shuffled")
+Rows = NDArray[np.int64]
 
 
 def renumber(mesh: TetraMesh, numbering: str, seed: int = 0) -> TetraMesh:
-    """Return the mesh in another order: "natural" as it is, "shuffled" with its points and its tets at
-    random.
+    """Return the mesh in another order of its points and its tets, one of NUMBERINGS.
 
-    The order of the vertices within a tetra stays. The ids of a shuffled mesh follow the new order, from 1.
+    "natural" is the mesh as it is, "shuffled" an order at random; "hilbert" and "rcm" bring neighbours together.
+
+    Ids stay with their points and tets, so that a file keeps its own; the order of the vertices within a tetra
+    stays too.
+
+    Args:
+        mesh: sound, as `check_mesh` has it.
+        numbering: its name.
+        seed: of the shuffling.
 
     Raises:
         InputError: an unknown numbering.
     """
-    if numbering not in NUMBERINGS:
-        raise InputError(f"unknown numbering {numbering!r}; there are {', '.join(NUMBERINGS)}")
-    if numbering == "natural":
+    order = find_named("numbering", NUMBERINGS, numbering)
+    if order is None:
         return mesh
-    random = np.random.default_rng([seed, 1])  # a stream of its own: generators draw from [seed]
-    points, tets = len(mesh.points), len(mesh.tets)
-    old_points = random.permutation(points)
-    new_points = np.empty(points, np.int32)
-    new_points[old_points] = np.arange(points, dtype=np.int32)
+    points, tets = order(mesh, seed)
+    drawn = f" (seed {seed})" if order is shuffled_order else ""
     return TetraMesh(
-        points=mesh.points[old_points],
-        tets=new_points[mesh.tets[random.permutation(tets)]],
-        point_ids=np.arange(1, points + 1, dtype=np.int64),
-        tet_ids=np.arange(1, tets + 1, dtype=np.int64),
-        report=replace(mesh.report, source=f"{mesh.report.source}, shuffled (seed {seed})"),
+        points=mesh.points[points],
+        tets=inverse(points)[mesh.tets[tets]],
+        point_ids=mesh.point_ids[points],
+        tet_ids=mesh.tet_ids[tets],
+        report=replace(mesh.report, source=f"{mesh.report.source}, {numbering} numbering{drawn}"),
     )
+
+
+def shuffled_order(mesh: TetraMesh, seed: int) -> tuple[Rows, Rows]:
+    """Points and tets at random."""
+    random = np.random.default_rng([seed, 1])  # a stream of its own: generators draw from [seed]
+    return random.permutation(len(mesh.points)), random.permutation(len(mesh.tets))
+
+
+def curve_order(mesh: TetraMesh, seed: int) -> tuple[Rows, Rows]:
+    """Points along a Hilbert curve, and tets, by their centroids, along another. Takes no seed."""
+    return hilbert_order(mesh.points), hilbert_order(mesh.points[mesh.tets].mean(axis=1))
+
+
+def graph_order(mesh: TetraMesh, seed: int) -> tuple[Rows, Rows]:
+    """Points by reverse Cuthill-McKee on the graph of the edges, tets by their new vertices. Takes no seed.
+
+    Cuthill and McKee, Reducing the bandwidth of sparse symmetric matrices, 1969, one component after the other;
+    reversed as by George, 1971. Points that no tetra uses come last, in their order.
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import reverse_cuthill_mckee
+
+    points = len(mesh.points)
+    if not points:  # scipy takes no empty graph
+        return np.arange(0), np.arange(0)
+    starts, ends = np.concatenate([mesh.tets[:, pair] for pair in permutations(range(4), 2)]).T
+    edges = coo_array((np.ones(len(starts), bool), (starts, ends)), shape=(points, points)).tocsr()
+    order = reverse_cuthill_mckee(edges, symmetric_mode=True).astype(np.int64)
+    used = np.diff(edges.indptr) > 0
+    order = np.concatenate([order[used[order]], np.flatnonzero(~used)])
+
+    first, second, third, fourth = np.sort(inverse(order)[mesh.tets], axis=1).T
+    return order, np.lexsort([fourth, third, second, first])
+
+
+def inverse(order: Rows) -> NDArray[np.int32]:
+    """The new row of each old row: (n,) int32."""
+    new = np.empty(len(order), np.int32)
+    new[order] = np.arange(len(order), dtype=np.int32)
+    return new
+
+
+NUMBERINGS: dict[str, Callable[[TetraMesh, int], tuple[Rows, Rows]] | None] = {
+    "natural": None,
+    "shuffled": shuffled_order,
+    "hilbert": curve_order,
+    "rcm": graph_order,
+}

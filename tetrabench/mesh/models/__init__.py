@@ -1,0 +1,53 @@
+"""Models: meshes of any size made without a mesher, the same bits for the same seed. Lengths in metres.
+
+Every point off the surface is moved at random by a fraction of the spacing around it, so that no two tetras
+are alike.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from tetrabench.errors import InputError, find_named
+from tetrabench.mesh.models.box import BOX
+from tetrabench.mesh.models.intake import INTAKE
+from tetrabench.mesh.models.model import Model
+from tetrabench.mesh.models.nozzle import NOZZLE
+from tetrabench.mesh.numbering import NUMBERINGS, renumber
+from tetrabench.mesh.quality import signed_volumes, smallest_dihedral_angle
+from tetrabench.mesh.tetra_mesh import MeshReport, TetraMesh
+
+MODELS = {model.name: model for model in (NOZZLE, INTAKE, BOX)}
+
+
+def generate(name: str, tets: int | None = None, *, numbering: str = "natural", seed: int = 0) -> TetraMesh:
+    """Make a model: conforming, every volume positive, lengths in metres, ids from 1 in the order of the rows.
+
+    Args:
+        name: one of MODELS.
+        tets: the number of tets wanted (the model's default where None). The model takes the nearest it can
+            divide into; what it holds, and its smallest dihedral angle in degrees, stand in `report.source`.
+        numbering: one of NUMBERINGS; "natural" is layer by layer.
+        seed: of the moved points, and of the shuffling.
+
+    Raises:
+        InputError: an unknown model or numbering, or fewer than one tetra wanted.
+    """
+    model: Model = find_named("model", MODELS, name)
+    find_named("numbering", NUMBERINGS, numbering)  # before the work, not after it
+    wanted = model.tets if tets is None else tets
+    if wanted < 1:
+        raise InputError(f"a model of {wanted} tets cannot be made; ask for at least 1")
+    regular = model.build(wanted)
+    shift = np.random.default_rng([seed]).uniform(-1, 1, regular.points.shape) * regular.reach[:, None]
+    points = regular.points + shift
+    assert signed_volumes(points, regular.tets).min() > 0, "the reach of the points is too long"
+    angle = smallest_dihedral_angle(points, regular.tets)
+    source = (
+        f"{name}: {len(regular.tets)} tets, {len(points)} points, {regular.words}, lengths in metres, "
+        f"smallest dihedral angle {angle:.1f} degrees, seed {seed}"
+    )
+    ids = np.arange(1, len(points) + 1, dtype=np.int64), np.arange(1, len(regular.tets) + 1, dtype=np.int64)
+    mesh = TetraMesh(points, regular.tets, *ids, MeshReport(source=source))
+    # A mesh that is new has no ids to keep: they follow the rows, whatever their order.
+    return replace(renumber(mesh, numbering, seed), point_ids=ids[0], tet_ids=ids[1])
