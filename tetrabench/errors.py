@@ -19,10 +19,20 @@ class InputError(TetrabenchError):
     exit_code = 2
 
 
+class RepairableError(InputError):
+    """A mesh whose faulty tetras can be left out: `--repair drop` does that."""
+
+
 class WrongAnswerError(TetrabenchError):
     """A contestant's cell crashed or gave another answer than the others."""
 
     exit_code = 3
+
+
+class MemoryRefusedError(InputError):
+    """What needs more memory than there is, refused before the memory is gone."""
+
+    exit_code = 6
 
 
 def find_named(kind: str, known: Mapping[str, _Member], name: str) -> _Member:

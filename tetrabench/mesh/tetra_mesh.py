@@ -12,16 +12,24 @@ class MeshReport:
 
     Attributes:
         source: path of the file, or the words that describe a generated model.
-        skipped: cards of the file that are no part of the mesh, name -> count.
+        format: name of the file's format, "" for a generated model.
+        skipped: cards or cells of the file that are no part of the mesh, name -> count.
+        quadratic: tetras with midside nodes, of which the corners alone are used.
         unreferenced: points that no tetra uses (dropped unless the reader was told to keep them).
+        dropped: tetras left out because no net can hold them, reason -> count: see `mesh.check.REASONS`.
         inverted: tetras whose vertex order gives a negative volume (kept as they are).
+        degenerate: tetras whose volume is zero to rounding (kept as they are): see `mesh.quality.count_signs`.
         warnings: sentences for a person.
     """
 
     source: str = ""
+    format: str = ""
     skipped: dict[str, int] = field(default_factory=dict)
+    quadratic: int = 0
     unreferenced: int = 0
+    dropped: dict[str, int] = field(default_factory=dict)
     inverted: int = 0
+    degenerate: int = 0
     warnings: list[str] = field(default_factory=list)
 
 

@@ -246,7 +246,7 @@ class _Deck:
     def mesh(self, *, unused: str, repair: str) -> TetraMesh:
         """The mesh of a deck that was read to its end."""
         deck, state = self.deck, self.deck.state
-        report = MeshReport(source=str(self.main), skipped=self.count_names(), warnings=self.warnings)
+        report = MeshReport(source=str(self.main), format="Nastran", skipped=self.count_names(), warnings=self.warnings)
         points, tets = int(state[scanning.POINTS]), int(state[scanning.TETS])
         if not tets:
             cards = {"GRID": points} | report.skipped
