@@ -12,6 +12,7 @@ from tests.meshes import box, mesh_of, nozzle, pair, single
 from tests.oracle import OracleNet
 from tetrabench import registry
 from tetrabench.errors import InputError
+from tetrabench.io import read_mesh
 from tetrabench.jit import kernels
 from tetrabench.tetra import edit
 from tetrabench.tetra.net import TetraNet
@@ -50,6 +51,66 @@ def test_normals_are_unit_and_outward(build):
             assert (corner - net.centroids[t]) @ net.side_normals[t, i] > 0
     # the area vectors of a closed body sum to nothing
     np.testing.assert_allclose((net.side_areas[:, :, None] * net.side_normals).sum(axis=1), 0.0, atol=1e-15)
+
+
+def test_what_is_said_of_one_tetra_is_what_is_said_of_all(build, rng):
+    net = build(nozzle())
+    net.delete(int(net.refs[5]))
+    net.states = rng.random((len(net), 5))
+    for row, t in list(enumerate(net))[::7]:
+        assert net.vertices_of(t) == tuple(net.vertices[row])
+        assert net.neighbours_of(t) == tuple(net.neighbours[row])
+        assert net.volume_of(t) == net.volumes[row]
+        np.testing.assert_array_equal(net.centroid_of(t), net.centroids[row])
+        np.testing.assert_array_equal(net.side_areas_of(t), net.side_areas[row])
+        np.testing.assert_array_equal(net.side_normals_of(t), net.side_normals[row])
+        np.testing.assert_array_equal(net.states_of(t), net.states[row])
+    t, before = int(net.refs[3]), net.states
+    net.set_states_of(t, [1, 2, 3, 4, 5])
+    before[3] = [1, 2, 3, 4, 5]
+    np.testing.assert_array_equal(net.states, before)
+    for bad in ([1, 2], 3, [[1, 2, 3, 4, 5]]):
+        with pytest.raises(InputError, match=r"shape \(5,\)"):
+            net.set_states_of(t, bad)
+    for ask in (net.volume_of, net.centroid_of, net.side_areas_of, net.side_normals_of, net.states_of):
+        with pytest.raises(InputError, match="there is no tetra -1"):
+            ask(-1)
+
+
+def test_points_one_by_one(build):
+    net = build(pair())
+    assert net.number_of_points == 5
+    np.testing.assert_array_equal(net.point(4), net.points[4])
+    assert net.insert_point(7.0, 8.0, 9.0) == 5
+    assert net.point(5).tolist() == [7.0, 8.0, 9.0]
+    assert net.tetras_around(5) == []
+    for bad in (-1, 6):
+        with pytest.raises(InputError, match=f"there is no point {bad}: the net has 6"):
+            net.point(bad)
+        with pytest.raises(InputError, match="there is no point"):
+            net.tetras_around(bad)
+
+
+def test_select(build):
+    net = build(nozzle())
+    net.delete(int(net.refs[2]))
+    large = net.volumes > np.median(net.volumes)
+    assert [net.volume_of(t) > np.median(net.volumes) for t in net] == large.tolist()
+    assert net.select(large).tolist() == [t for t, is_large in zip(net, large, strict=True) if is_large]
+    for bad in (large[1:], large.astype(int), True):
+        with pytest.raises(InputError, match="one bool for each"):
+            net.select(bad)
+
+
+def test_written_net_is_the_net(build, tmp_path):
+    net = build(nozzle())
+    net.delete(int(net.refs[2]))
+    net.write(tmp_path / "net.nas")
+    back = read_mesh(tmp_path / "net.nas", unused="keep")
+    np.testing.assert_array_equal(back.tets, net.vertices)
+    np.testing.assert_allclose(back.points, net.points, atol=1e-6)
+    with pytest.raises(InputError, match="names no known format"):
+        net.write(tmp_path / "net.xyz")
 
 
 def test_edits_and_refusals(build):
@@ -165,11 +226,16 @@ def test_close_gives_back_and_may_come_twice(build):
     net.close()
     net.close()
     assert not net.is_open
+    with pytest.raises(InputError, match="closed"):
+        len(net)
+    with build(single()) as other:
+        assert len(other) == 1
+    assert not other.is_open
 
 
 def test_states_shape_is_checked(build):
     net = build(single())
-    with pytest.raises(InputError, match=r"\(1, 5\)"):
+    with pytest.raises(InputError, match=r"shape \(1, 5\)"):
         net.states = np.zeros((2, 5))
 
 

@@ -1,13 +1,15 @@
 """TetraNet: the Python face of any tetra contestant."""
 
+import os
 import weakref
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tetrabench.errors import InputError
+from tetrabench.io import write_mesh
 from tetrabench.jit import kernel
 from tetrabench.jit.generic import is_implemented
 from tetrabench.mesh import TetraMesh
@@ -41,7 +43,6 @@ class TetraNet:
         self._adopt(contestant.build(mesh))
 
     def _adopt(self, storage: Net) -> None:
-        self._storage = storage
         self._grid: tuple[int, Grid] | None = None
         # What Python cannot see (V4's nodes) goes when the last owner goes. Growth keeps the nodes and changes the
         # counters that lead to them, so the finalizer follows the box, not the storage of today.
@@ -51,17 +52,22 @@ class TetraNet:
 
     @property
     def storage(self) -> Net:
-        """What kernels take. A kernel that edits returns the storage to go on with: assign it back."""
-        return self._storage
+        """What kernels take. A kernel that edits returns the storage to go on with: assign it back.
+
+        Raises:
+            InputError: the net is closed.
+        """
+        if not self._box:
+            raise InputError("this net is closed: its memory was given back")
+        return self._box[0]
 
     @storage.setter
     def storage(self, storage: Net) -> None:
-        self._storage = self._box[0] = storage
+        self._box[0] = storage
 
     def close(self) -> None:
-        """Give the memory back now; the net is empty and unusable afterwards."""
+        """Give the memory back now; the net is unusable afterwards. May come twice."""
         self._finalizer()
-        self.__dict__.pop("_storage", None)
         self._grid = None
 
     @property
@@ -69,45 +75,56 @@ class TetraNet:
         """False after `close`."""
         return bool(self._box)
 
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
     # ------------------------------------------------------------------ counts and whole-net arrays
 
     def __len__(self) -> int:
-        return int(interface.number_of_tetras(self._storage))
+        return int(interface.number_of_tetras(self.storage))
 
     def __iter__(self) -> Iterator[int]:
         """Refs in iteration order, of the net as it is now: it may change on the way."""
         return iter(self.refs.tolist())
 
     def __contains__(self, t: int) -> bool:
-        return t >= 0 and bool(interface.is_live(self._storage, t))
+        return t >= 0 and bool(interface.is_live(self.storage, t))
 
     @property
     def refs(self) -> NDArray[np.int64]:
         """Refs of all tetras, (n,) int64, in iteration order."""
-        refs: NDArray[np.int64] = interface.tetra_refs(self._storage)
+        refs: NDArray[np.int64] = interface.tetra_refs(self.storage)
         return refs
 
     @property
     def last(self) -> int:
         """The last tetra (highest index, or tail of the list), -1 in an empty net."""
-        return int(interface.last_tetra(self._storage)) if len(self) else int(NONE)
+        return int(interface.last_tetra(self.storage)) if len(self) else int(NONE)
+
+    @property
+    def number_of_points(self) -> int:
+        """Points, those that no tetra uses included; the last one has the ref one below."""
+        return int(self.storage.points.counters[COUNT])
 
     @property
     def points(self) -> NDArray[np.float64]:
         """Coordinates, (n, 3) float64, a view that must not be written to (see `deform`)."""
-        view = self._storage.points.xyz[: self._storage.points.counters[COUNT]]
+        view = self.storage.points.xyz[: self.number_of_points]
         view.flags.writeable = False
         return view
 
     @property
     def vertices(self) -> NDArray[np.int32]:
         """Point refs, (n, 4) int32."""
-        return _vertices(self._storage, self.refs)
+        return _vertices(self.storage, self.refs)
 
     @property
     def neighbours(self) -> NDArray[np.int64]:
         """Refs of the tetras behind the sides, (n, 4) int64; side i is opposite vertex i; -1 at the surface."""
-        return _neighbours(self._storage, self.refs)
+        return _neighbours(self.storage, self.refs)
 
     @property
     def volumes(self) -> NDArray[np.float64]:
@@ -130,70 +147,120 @@ class TetraNet:
         return self._static()[:, 8:].reshape(-1, 4, 3)
 
     def _static(self) -> NDArray[np.float64]:
-        return _static(self._storage, self.refs)
+        return _static(self.storage, self.refs)
 
     @property
     def states(self) -> NDArray[np.float64]:
         """State vectors, (n, 5) float64, a copy; assign an array of that shape to set them."""
-        return _states(self._storage, self.refs)
+        return _states(self.storage, self.refs)
 
     @states.setter
     def states(self, values: ArrayLike) -> None:
-        wanted = (len(self), interface.STATES)
+        _set_states(self.storage, self.refs, self._states_like(values, (len(self), interface.STATES)))
+
+    def _states_like(self, values: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:
         values = np.require(values, np.float64, ["C", "W", "O"])
-        if values.shape != wanted:
-            raise InputError(f"the states of this net have the shape {wanted}, not {values.shape}")
-        _set_states(self._storage, self.refs, values)
+        if values.shape != shape:
+            raise InputError(f"these states must have the shape {shape}, not {values.shape}")
+        return values
 
     # ------------------------------------------------------------------ one tetra
 
+    # What the properties above say of all tetras, of one: InputError where there is no such tetra.
+
     def vertices_of(self, t: int) -> tuple[int, int, int, int]:
         """Point refs of a tetra."""
-        a, b, c, d = _vertices(self._storage, self._one(t))[0].tolist()
+        a, b, c, d = _vertices(self.storage, self._one(t))[0].tolist()
         return a, b, c, d
 
     def neighbours_of(self, t: int) -> tuple[int, int, int, int]:
         """Tetras behind the four sides of a tetra, -1 at the surface."""
-        a, b, c, d = _neighbours(self._storage, self._one(t))[0].tolist()
+        a, b, c, d = _neighbours(self.storage, self._one(t))[0].tolist()
         return a, b, c, d
 
-    def tetras_around(self, point: int) -> list[int]:
-        """Refs of the tetras that use a point."""
-        if not 0 <= point < len(self.points):
-            raise InputError(f"there is no point {point}: the net has {len(self.points)}")
-        refs: list[int] = _around(self._storage, point).tolist()
-        return refs
+    def volume_of(self, t: int) -> float:
+        """Volume of a tetra."""
+        return float(self._static_of(t)[0])
+
+    def centroid_of(self, t: int) -> NDArray[np.float64]:
+        """Mean of the vertices of a tetra, (3,) float64."""
+        return self._static_of(t)[1:4]
+
+    def side_areas_of(self, t: int) -> NDArray[np.float64]:
+        """Areas of the sides of a tetra, (4,) float64."""
+        return self._static_of(t)[4:8]
+
+    def side_normals_of(self, t: int) -> NDArray[np.float64]:
+        """Outward unit normals of the sides of a tetra, (4, 3) float64."""
+        return self._static_of(t)[8:].reshape(4, 3)
+
+    def states_of(self, t: int) -> NDArray[np.float64]:
+        """State vector of a tetra, (5,) float64, a copy: see `set_states_of`."""
+        states: NDArray[np.float64] = _states(self.storage, self._one(t))[0]
+        return states
+
+    def set_states_of(self, t: int, values: ArrayLike) -> None:
+        """Set the state vector of a tetra, (5,) numbers."""
+        values = self._states_like(values, (interface.STATES,))
+        _set_states(self.storage, self._one(t), values[None])
+
+    def _static_of(self, t: int) -> NDArray[np.float64]:
+        static: NDArray[np.float64] = _static(self.storage, self._one(t))[0]
+        return static
 
     def _one(self, t: int) -> NDArray[np.int64]:
         if t not in self:
             raise InputError(f"there is no tetra {t}")
         return np.array([t], np.int64)
 
+    # ------------------------------------------------------------------ points
+
+    def point(self, point: int) -> NDArray[np.float64]:
+        """Coordinates of a point, (3,) float64, a view that must not be written to."""
+        return self.points[self._known_point(point)]
+
+    def tetras_around(self, point: int) -> list[int]:
+        """Refs of the tetras that use a point."""
+        refs: list[int] = _around(self.storage, self._known_point(point)).tolist()
+        return refs
+
+    def _known_point(self, point: int) -> int:
+        if not 0 <= point < self.number_of_points:
+            raise InputError(f"there is no point {point}: the net has {self.number_of_points}")
+        return int(point)
+
     # ------------------------------------------------------------------ questions
 
     def locate(self, points: ArrayLike, method: str = "walk") -> NDArray[np.int64]:
         """The tetra that holds each point (m, 3): (m,) refs, -1 outside. See `tetrabench.tetra.locate`."""
-        edits = int(self._storage.points.counters[EDITS])
+        edits = int(self.storage.points.counters[EDITS])
         grid = self._grid[1] if self._grid and self._grid[0] == edits else None
-        refs, grid = locate(self._storage, np.asarray(points, np.float64), method, grid)
+        refs, grid = locate(self.storage, np.asarray(points, np.float64), method, grid)
         self._grid = (edits, grid) if grid is not None else None
         return refs
 
     def nearest_points(self, queries: ArrayLike) -> NDArray[np.int32]:
         """The point nearest to each query (m, 3): (m,) point refs."""
-        return nearest_points(self._storage.tree, self.points, np.asarray(queries, np.float64))
+        return nearest_points(self.storage.tree, self.points, np.asarray(queries, np.float64))
+
+    def select(self, chosen: ArrayLike) -> NDArray[np.int64]:
+        """Refs (m,) of the tetras where `chosen`, (n,) bool in iteration order, is true: `net.select(net.volumes > 1)`."""
+        mask = np.asarray(chosen)
+        if mask.shape != (len(self),) or mask.dtype != np.bool_:
+            raise InputError(f"one bool for each of {len(self)} tetras is needed, not {mask.dtype} {mask.shape}")
+        return self.refs[mask]
 
     def check(self) -> list[str]:
         """Audit the whole structure: sentences about what is wrong, empty if it is sound."""
-        return [audit.CHECKS[name] for name in audit.audit(self._storage)]
+        return [audit.CHECKS[name] for name in audit.audit(self.storage)]
 
     def answer(self) -> Answer:
         """A digest that is equal for equal nets, however they are stored, and sums for people."""
-        return digest.net_answer(self._storage)
+        return digest.net_answer(self.storage)
 
     def structure_bytes(self) -> dict[str, tuple[int, int]]:
         """Bytes (used, reserved) of each buffer, by name."""
-        return memory.structure_bytes(self._storage)
+        return memory.structure_bytes(self.storage)
 
     # ------------------------------------------------------------------ changes
 
@@ -201,8 +268,8 @@ class TetraNet:
         """The ref of the point there: an existing one, within 1e-9 of the net's diagonal, or a new one."""
         if not np.isfinite([x, y, z]).all():
             raise InputError(f"({x}, {y}, {z}) is no point")
-        self.storage = edit.reserve(self._storage, 0, 1)
-        return int(edit.insert_point(self._storage, float(x), float(y), float(z), make_stack()))
+        self.storage = edit.reserve(self.storage, 0, 1)
+        return int(edit.insert_point(self.storage, float(x), float(y), float(z), make_stack()))
 
     def insert(self, a: int, b: int, c: int, d: int) -> int:
         """Insert the tetra of four points and return its ref; states are 0.
@@ -210,9 +277,9 @@ class TetraNet:
         Raises:
             InputError: equal or unknown points, a tetra that is there already, a side that two tetras share already.
         """
-        self.storage = edit.reserve(self._storage, 1, 0)
+        self.storage = edit.reserve(self.storage, 1, 0)
         try:
-            return int(edit.insert_tetra(self._storage, int(a), int(b), int(c), int(d)))
+            return int(edit.insert_tetra(self.storage, int(a), int(b), int(c), int(d)))
         except ValueError as error:
             raise InputError(f"cannot insert the tetra ({a}, {b}, {c}, {d}): {error}") from None
 
@@ -224,7 +291,7 @@ class TetraNet:
         """
         self._one(t)
         try:
-            edit.delete_tetra(self._storage, int(t))
+            edit.delete_tetra(self.storage, int(t))
         except ValueError as error:
             raise InputError(f"cannot delete {t}: {error}") from None
 
@@ -240,13 +307,13 @@ class TetraNet:
             raise InputError(f"there is no tetra {strange[0]}")
         if len(np.unique(refs)) < len(refs):
             raise InputError("a tetra can be split only once: a ref comes twice")
-        self.storage, skipped = edit.split_many(self._storage, refs)
+        self.storage, skipped = edit.split_many(self.storage, refs)
         return skipped
 
     def deform(self, move: Callable[[NDArray[np.float64]], NDArray[np.float64]]) -> int:
         """Move the points by a map (n, 3) -> (n, 3); returns how many tetras were touched. See `tetra.deform`."""
         moved = np.require(move(self.points.copy()), np.float64, ["C", "W", "O"])
-        self.storage, touched = deform(self._storage, moved)
+        self.storage, touched = deform(self.storage, moved)
         return touched
 
     # ------------------------------------------------------------------ out of it
@@ -255,6 +322,14 @@ class TetraNet:
         """The live tetras in iteration order, with all points."""
         tets, points = self.vertices, np.array(self.points)
         return TetraMesh(points, tets, np.arange(1, len(points) + 1), np.arange(1, len(tets) + 1))
+
+    def write(self, path: str | os.PathLike[str]) -> None:
+        """Write the live tetras and all points, without states, in the format of the suffix: see `write_mesh`.
+
+        Raises:
+            InputError: an unknown suffix, or what the writer of the format refuses.
+        """
+        write_mesh(self.to_mesh(), path)
 
     def copy(self) -> "TetraNet":
         """An independent net with the same points, tetras (without the holes between them) and states."""
@@ -342,11 +417,14 @@ def _set_states(net: Net, refs: Any, values: Any) -> None:
 
 @kernel
 def _around(net: Net, point: int) -> Any:
-    refs = np.empty(len(net.incidence.entries), np.int64)
     n = 0
     place = first_around(net.incidence, point)
     while place != END:
-        refs[n] = ref_around(net.incidence, place)
         place = next_around(net.incidence, place)
         n += 1
-    return refs[:n].copy()
+    refs = np.empty(n, np.int64)
+    place = first_around(net.incidence, point)
+    for k in range(n):
+        refs[k] = ref_around(net.incidence, place)
+        place = next_around(net.incidence, place)
+    return refs
