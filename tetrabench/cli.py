@@ -9,6 +9,7 @@ import re
 import sys
 import tempfile
 from pathlib import Path
+from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -268,13 +269,22 @@ class _Progress:
 
     def __init__(self) -> None:
         from rich.console import Console
-        from rich.progress import BarColumn, Progress, TextColumn
+        from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn
+        from rich.text import Text
+
+        class Clock(ProgressColumn):
+            """What is left, counted down while a turn lasts; and how long one has lasted that takes longer than that."""
+
+            def render(_, task: Task) -> Text:  # noqa: N805 - the progress is `self` here
+                return Text(self._left(monotonic()))
 
         console = Console(stderr=True)
-        text, left = TextColumn("{task.description}"), TextColumn("{task.fields[left]}")
         self._live = console.is_terminal
-        self._bar = Progress(text, BarColumn(), left, console=console, transient=True, disable=not self._live)
-        self._task = self._bar.add_task("starting the workers", total=None, left="")
+        columns = TextColumn("{task.description}"), BarColumn(), Clock()
+        self._bar = Progress(*columns, console=console, transient=True, disable=not self._live)
+        self._task = self._bar.add_task("starting the workers", total=None)
+        self._began = monotonic()  # of what happens now
+        self._remaining: float | None = None
         self._scenarios: set[str] = set()
         self._said = ""
 
@@ -293,13 +303,22 @@ class _Progress:
 
     def step(self, text: str, done: int, total: int, seconds_remaining: float | None) -> None:
         """What happens now."""
-        left = "" if seconds_remaining is None else f"{_clock(seconds_remaining)} left"
-        self._bar.update(self._task, description=text, completed=done, total=total, left=left)
+        self._began, self._remaining = monotonic(), seconds_remaining
+        left = self._left(self._began)
+        self._bar.update(self._task, description=text, completed=done, total=total)
         phase = text.partition(":")[0]
         phase = phase if phase in self._scenarios else "compiling, or loading what was compiled"
         if phase != self._said and not self._live:
             self._say(f"{phase} {f'({done} of {total} turns done, {left})' if left else ''}".rstrip())
         self._said = phase
+
+    def _left(self, now: float) -> str:
+        lasted = now - self._began
+        if self._remaining is None:
+            return f"for {_clock(lasted)}" if lasted > 2 else ""
+        if lasted > self._remaining:
+            return f"for {_clock(lasted)}, longer than expected"
+        return f"{_clock(self._remaining - lasted)} left"
 
     def _say(self, message: str) -> None:
         self._bar.console.print(message, markup=False, highlight=False, soft_wrap=True)
