@@ -5,24 +5,28 @@ What is heavy is imported inside the verbs, so that help comes at once.
 
 from __future__ import annotations
 
+import contextlib
 import re
 import sys
 import tempfile
+import threading
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from tetrabench.errors import TetrabenchError
+from tetrabench.errors import RepairableError, TetrabenchError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from tetrabench.bench import Plan, Results
+    from tetrabench.mesh.inspection import Inspection
     from tetrabench.protocols import Scenario
 
 FILE = click.Path(dir_okay=False, path_type=Path)
+PATIENCE = 2.0  # seconds until a person wants to know what is going on
 WIDTH = 100  # where there is no terminal to fit into
 INTERRUPTED = 130
 
@@ -92,6 +96,13 @@ numbering_option = click.option(
     show_default=True,
     help="Order of points and tetras: as they come, at random, along a Hilbert curve, or by reverse Cuthill-McKee.",
 )
+repair_option = click.option(
+    "--repair",
+    type=click.Choice(["refuse", "drop"]),
+    default="refuse",
+    show_default=True,
+    help="What becomes of tetras that repeat a node, are duplicates, or are more than two at a side.",
+)
 format_option = click.option(
     "--format",
     "form",
@@ -121,7 +132,7 @@ def main() -> None:
     """How should a program store a large mesh? The same workloads on interchangeable storage backends.
 
     Exit codes: 0 all well; 2 wrong usage or bad input; 3 a backend crashed or gave a wrong answer;
-    130 interrupted.
+    6 not enough memory; 130 interrupted.
     """
 
 
@@ -203,6 +214,79 @@ def list_(what: str, family: str) -> None:
 
 
 @main.command()
+@click.argument("file", metavar="FILE", type=FILE)
+@repair_option
+@click.option("--format", "form", type=click.Choice(["table", "json"]), default="table", show_default=True)
+def info(file: Path, repair: str, form: str) -> None:
+    """Describe a mesh: what it holds, what is wrong with it, what was left out.
+
+    A file that is refused only for tetras that --repair drop leaves out is described without them.
+    """
+    from dataclasses import replace
+
+    from tetrabench.io import read_mesh
+    from tetrabench.mesh.inspection import inspect_mesh
+
+    refusal = ""
+    with patience(f"reading {file}"):
+        try:
+            mesh = read_mesh(file, unused="keep", repair=repair)
+        except RepairableError as error:
+            refusal = str(error)
+            mesh = read_mesh(file, unused="keep", repair="drop")
+    with patience(f"inspecting {len(mesh.tets):,} tetras"):
+        inspection = replace(inspect_mesh(mesh), refusal=refusal)
+    if form == "json":
+        import msgspec
+
+        click.echo(msgspec.json.format(msgspec.json.encode(inspection), indent=2))
+    else:
+        for name, value in describe(inspection):
+            click.echo(f"{name:25}{value}")
+        for sentence in inspection.warnings:
+            click.echo(f"- {sentence}")
+        if refusal:
+            click.echo("- the file is refused, unless --repair drop leaves these tetras out")
+
+
+@main.command()
+@click.argument("source", metavar="IN", type=FILE)
+@click.argument("target", metavar="OUT", type=FILE, callback=check_folder)
+@numbering_option
+@seed_option
+@repair_option
+@click.option(
+    "--unused",
+    type=click.Choice(["drop", "keep"]),
+    default="drop",
+    show_default=True,
+    help="What becomes of points that no tetra uses.",
+)
+@click.option("--field", type=click.Choice(["small", "large", "free"]), help="Of a Nastran file; free is exact.")
+def convert(source: Path, target: Path, numbering: str, seed: int, repair: str, unused: str, field: str | None) -> None:
+    """Write a mesh in another format, or in another order."""
+    from tetrabench.io import known_suffix, read_mesh, write_mesh
+    from tetrabench.mesh.numbering import renumber
+
+    known_suffix(target)
+    with patience(f"reading {source}"):
+        mesh = read_mesh(source, unused=unused, repair=repair)
+    with patience(f"renumbering {len(mesh.tets):,} tetras"):
+        mesh = renumber(mesh, numbering, seed)
+    with patience(f"writing {target}"):
+        write_mesh(mesh, target, field=field)
+    for sentence in mesh.report.warnings:
+        say(sentence)
+    if unused == "drop" and mesh.report.unreferenced:
+        say(f"left out {mesh.report.unreferenced:,} points that no tetra uses")
+    if mesh.report.quadratic:
+        say(f"took the corners of {mesh.report.quadratic:,} tetras with midside nodes")
+    if mesh.report.skipped:
+        say("left out " + ", ".join(f"{name} {count:,}" for name, count in mesh.report.skipped.items()))
+    say(f"wrote {target}: {len(mesh.tets):,} tetras, {len(mesh.points):,} points")
+
+
+@main.command()
 @click.argument("model", metavar="nozzle|intake|box")
 @click.option("--tets", callback=read_count, metavar="N", help="Wanted number of tetras, such as 100k.")
 @numbering_option
@@ -232,6 +316,23 @@ def present(results: Results, form: str, charts: Path | None, chart_format: str)
             say(f"wrote {path}")
 
 
+def describe(inspection: Inspection) -> list[tuple[str, str]]:
+    """The table of `info`: names and values."""
+    rows = []
+    for name, value in vars(inspection).items():
+        if isinstance(value, dict):
+            text = ", ".join(f"{key} {count:,}" for key, count in value.items())
+        elif isinstance(value, tuple):
+            text = ", ".join(f"{x:.9g}" for x in value)
+        elif isinstance(value, float):
+            text = f"{value:.1f} degrees" if "angle" in name else f"{value:.9g}"
+        else:
+            text = f"{value:,}" if isinstance(value, int) else str(value or "")
+        if name not in ("warnings", "refusal"):
+            rows.append((name.replace("_", " "), text or "none"))
+    return rows
+
+
 def tabulate(head: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     """Print a table of words."""
     from rich.box import SIMPLE_HEAD
@@ -253,6 +354,35 @@ def tabulate(head: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
 def say(message: str) -> None:
     """A message to the person, apart from what was asked for."""
     click.echo(message, err=True)
+
+
+@contextlib.contextmanager
+def patience(doing: str) -> Iterator[None]:
+    """Say on stderr what is going on, once that takes long: with a clock on a terminal, else in one line."""
+    stream = sys.stderr  # that of now: what meshio prints is taken away from it meanwhile
+    shown = contextlib.ExitStack()
+
+    def tell() -> None:
+        from rich.console import Console
+        from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+        console = Console(file=stream)
+        if console.is_terminal:
+            columns = SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn()
+            bar = Progress(*columns, console=console, transient=True, redirect_stdout=False, redirect_stderr=False)
+            shown.enter_context(bar).add_task(doing)
+        else:
+            console.print(f"{doing} ...", markup=False, highlight=False, soft_wrap=True)
+
+    timer = threading.Timer(PATIENCE, tell)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+        timer.join()
+        shown.close()
 
 
 def _counts(scenario: Scenario) -> str:

@@ -1,10 +1,11 @@
 """Input and output of meshes: the format follows the file's suffix."""
 
 import os
-from collections.abc import Callable
+from difflib import get_close_matches
 from pathlib import Path
 
 from tetrabench.errors import InputError
+from tetrabench.io.formats import BY_SUFFIX, read_foreign, write_foreign
 from tetrabench.io.nastran import read_nastran, write_nastran
 from tetrabench.mesh.models import MODELS
 from tetrabench.mesh.tetra_mesh import TetraMesh
@@ -12,38 +13,60 @@ from tetrabench.mesh.tetra_mesh import TetraMesh
 __all__ = ["read_mesh", "read_nastran", "write_mesh", "write_nastran"]
 
 NASTRAN = (".nas", ".bdf", ".dat", ".fem")
-READERS: dict[str, Callable[[str | os.PathLike[str]], TetraMesh]] = dict.fromkeys(NASTRAN, read_nastran)
-WRITERS: dict[str, Callable[..., None]] = dict.fromkeys(NASTRAN, write_nastran)
 
 
-def read_mesh(path: str | os.PathLike[str]) -> TetraMesh:
+def read_mesh(path: str | os.PathLike[str], *, unused: str = "drop", repair: str = "refuse") -> TetraMesh:
     """Read a mesh in the format of its suffix.
 
+    Args:
+        path: the file.
+        unused: "drop" leaves out the points that no tetra uses, "keep" keeps them; `report.unreferenced` counts them.
+        repair: "refuse" raises where tetras repeat a node, are duplicates, or are more than two at a side; "drop"
+            leaves them out, and says so in `report.dropped` and `report.warnings`.
+
     Raises:
-        InputError: an unknown suffix, a missing file, or what the reader of the format refuses.
+        InputError: an unknown suffix, a missing file, or what the reader of the format refuses; `RepairableError`
+            where repair="drop" would help, `MemoryRefusedError` where there is not enough memory to read it.
     """
-    reader = READERS[known_suffix(path)]
+    suffix = known_suffix(path)
     file = Path(path)
+    if file.is_dir():
+        raise InputError(f"{path}: a folder, not a file")
     if not file.exists():
         command = f"tetrabench generate {file.stem} -o {file.name}"
         hint = f"; make it with: {command}" if file.stem in MODELS else ""
         raise InputError(f"{path}: there is no such file{hint}")
-    return reader(path)
+    if suffix in NASTRAN:
+        return read_nastran(path, unused=unused, repair=repair)
+    return read_foreign(path, unused=unused, repair=repair)
 
 
-def write_mesh(mesh: TetraMesh, path: str | os.PathLike[str]) -> None:
-    """Write a mesh in the format of its suffix, with the words about its source at the top.
+def write_mesh(mesh: TetraMesh, path: str | os.PathLike[str], *, field: str | None = None) -> None:
+    """Write a mesh in the format of its suffix: a whole file, or none.
+
+    Args:
+        mesh: its ids are kept where the format can hold them: see `tetrabench.io.formats`.
+        path: the file; one that exists is replaced.
+        field: the form of Nastran's fields, "small" unless given; see `write_nastran`. Other formats have none.
 
     Raises:
         InputError: an unknown suffix, or what the writer of the format refuses.
     """
-    WRITERS[known_suffix(path)](mesh, path, comments=[mesh.report.source])
+    suffix = known_suffix(path)
+    if suffix in NASTRAN:
+        write_nastran(mesh, path, field=field or "small", comments=[mesh.report.source])
+    elif field is not None:
+        raise InputError(f"{path}: a field form ({field}) can only be chosen for Nastran, {' '.join(NASTRAN)}")
+    else:
+        write_foreign(mesh, path)
 
 
 def known_suffix(path: str | os.PathLike[str]) -> str:
     """Return the suffix of a file in small letters, if it is one of ours."""
     suffix = Path(path).suffix.lower()
-    if suffix not in READERS:
-        known = " ".join(READERS)
-        raise InputError(f"{path}: the suffix {suffix!r} names no known format; known are {known}")
+    known = [*NASTRAN, *BY_SUFFIX]
+    if suffix not in known:
+        near = get_close_matches(suffix, known, n=1)
+        hint = f"did you mean {near[0]}? " if near else ""
+        raise InputError(f"{path}: the suffix {suffix!r} names no known format; {hint}known are {' '.join(known)}")
     return suffix

@@ -50,6 +50,8 @@ class Inspection:
         dropped: tetras left out because no net can hold them, reason -> count.
         skipped: cards or cells of the file that are no part of the mesh, name -> count.
         warnings: sentences of the reader.
+        refusal: why the file is refused unless its faulty tetras are left out; "" where it is not. All the rest is
+            about the mesh without them.
     """
 
     source: str
@@ -74,6 +76,7 @@ class Inspection:
     dropped: dict[str, int]
     skipped: dict[str, int]
     warnings: list[str]
+    refusal: str = ""
 
 
 def inspect_mesh(mesh: TetraMesh) -> Inspection:
