@@ -11,7 +11,6 @@ where its upper end is. A first pair warms up, is not counted, and must leave th
 import argparse
 import ctypes
 import json
-import math
 import tempfile
 import time
 from collections.abc import Callable, Iterator
@@ -22,6 +21,7 @@ from typing import Any
 import numpy as np
 from yardstick import BY_NAME, EDITABLE, build, c_net, content, copy_arrays, is_linked
 
+from tetrabench.bench.pairs import in_turn, paired_ratio
 from tetrabench.mesh import TetraMesh
 from tetrabench.mesh.models import generate
 from tetrabench.scenarios.tetra.alfa import average
@@ -82,7 +82,7 @@ def measure_sweeps(name: str, mesh: TetraMesh, yardstick: ctypes.CDLL, turns: in
         side(net.storage)
         left_behind.append(content(net.storage))
     assert left_behind[0] == left_behind[1], f"{name}: sweeps of ours and of C differ"
-    pairs = in_turn(turns, *(partial(side, net.storage) for side in sides))
+    pairs = list(in_turn(turns, *(partial(side, net.storage) for side in sides)))
     net.close()
     return pairs
 
@@ -115,7 +115,7 @@ def measure_edits(name: str, mesh: TetraMesh, yardstick: ctypes.CDLL, turns: int
         sample(side, keep=True)
     assert left_behind[0] == left_behind[1], f"{name}: edits of ours and of C differ"
     left_behind.clear()
-    return in_turn(turns, *(partial(sample, side) for side in sides))
+    return list(in_turn(turns, *(partial(sample, side) for side in sides)))
 
 
 def initial_states(mesh: TetraMesh) -> np.ndarray:
@@ -125,50 +125,25 @@ def initial_states(mesh: TetraMesh) -> np.ndarray:
     return states
 
 
-def in_turn(turns: int, ours: Callable[[], Sample], c: Callable[[], Sample]) -> Pairs:
-    """Pairs of (ours, C); every other turn begins with C."""
-    pairs = []
-    for turn in range(turns):
-        if turn % 2:
-            second = c()
-            pairs.append((ours(), second))
-        else:
-            pairs.append((ours(), c()))
-    return pairs
-
-
 # ---- the table
 
 
 def rows(name: str, pairs: Pairs) -> Iterator[dict[str, Any]]:
     for operation in pairs[0][0]:
-        ours, c = (np.array([pair[side][operation] for pair in pairs]) for side in (0, 1))
-        ratios = np.sort(ours / c)
-        low, high = ratios[_rank(len(ratios))], ratios[-1 - _rank(len(ratios))]
+        ours, c = ([pair[side][operation] for pair in pairs] for side in (0, 1))
+        ratio, low, high = paired_ratio(ours, c)
         yield {
             "contestant": name,
             "operation": operation,
             "ours_s": float(np.median(ours)),
             "c_s": float(np.median(c)),
-            "ratio": float(np.median(ratios)),
-            "low": float(low),
-            "high": float(high),
+            "ratio": ratio,
+            "low": low,
+            "high": high,
             "bar": BARS[operation],
-            "met": bool(high <= BARS[operation]),
+            "met": high <= BARS[operation],
             "turns": len(pairs),
         }
-
-
-def _rank(n: int) -> int:
-    """The largest k, from 0, for which the k-th smallest and largest of n hold the median with at least 95 %."""
-    tail, rank = 0.0, -1
-    for k in range(n // 2):
-        tail += math.comb(n, k) / 2**n
-        if tail > 0.025:
-            break
-        rank = k
-    assert rank >= 0, "at least 6 turns are needed for an interval"
-    return rank
 
 
 def _print(row: dict[str, Any]) -> None:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from tetrabench.jit import kernel
 from tetrabench.mesh import TetraMesh
-from tetrabench.tetra.adjacency import side_neighbours
+from tetrabench.mesh.sides import side_neighbours
 from tetrabench.tetra.geometry import set_geometry
 from tetrabench.tetra.incidence import add_incidence, make_incidence
 from tetrabench.tetra.interface import (
