@@ -136,7 +136,7 @@ def test_a_worker_that_cannot_load_the_model_has_no_cells():
 
 def test_a_bad_model_is_the_users_to_mend():
     with pytest.raises(InputError, match=r"x.nas:3: no"):
-        play(lambda name, scenario, visit: Failed("x.nas:3: no", bad_input=True) if scenario == "load" else 1.0)
+        play(lambda name, scenario, visit: Failed("x.nas:3: no", exit_code=2) if scenario == "load" else 1.0)
 
 
 def test_an_interrupt_keeps_what_there_is():

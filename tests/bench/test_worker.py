@@ -137,7 +137,7 @@ def test_the_protocol_step_by_step(plugin):
         assert isinstance(worker.ask(Measure("first", {"count": 1})), Measured)  # it goes on
         unknown = worker.ask(Open("scripted", "nobody", False))
         assert isinstance(unknown, Failed)
-        assert unknown.bad_input
+        assert unknown.exit_code == InputError.exit_code
     finally:
         worker.close()
     with pytest.raises(WorkerDied, match="exit code 0"):

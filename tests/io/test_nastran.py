@@ -470,8 +470,8 @@ def test_mesh_files_by_suffix(tmp_path: Path, suffix: str) -> None:
 
 
 def test_unknown_suffix_and_missing_file(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"'\.stl' names no known format; known are \.nas \.bdf \.dat \.fem"):
-        read_mesh(tmp_path / "x.stl")
+    with pytest.raises(InputError, match=r"'\.nax' names no known format; did you mean \.nas\? known are \.nas \.bdf"):
+        read_mesh(tmp_path / "x.nax")
     with pytest.raises(InputError, match="no known format"):
         write_mesh(single(), tmp_path / "x")
     with pytest.raises(InputError, match=r"no such file; make it with: tetrabench generate nozzle -o nozzle\.nas$"):

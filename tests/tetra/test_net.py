@@ -11,7 +11,7 @@ import pytest
 from tests.meshes import box, mesh_of, nozzle, pair, single
 from tests.oracle import OracleNet
 from tetrabench import registry
-from tetrabench.errors import InputError
+from tetrabench.errors import InputError, MemoryRefusedError
 from tetrabench.io import read_mesh
 from tetrabench.jit import kernels
 from tetrabench.tetra import edit
@@ -89,6 +89,23 @@ def test_points_one_by_one(build):
             net.point(bad)
         with pytest.raises(InputError, match="there is no point"):
             net.tetras_around(bad)
+
+
+def test_around_all_points_is_around_each(build):
+    net = build(nozzle())
+    net.delete(int(net.refs[2]))
+    net.insert_point(9.0, 9.0, 9.0)
+    starts, refs = net.around_points
+    assert len(starts) == net.number_of_points + 1
+    for point in range(net.number_of_points):
+        assert sorted(refs[starts[point] : starts[point + 1]].tolist()) == sorted(net.tetras_around(point))
+
+
+def test_a_net_beyond_the_memory_is_refused(build, monkeypatch):
+    mesh = nozzle()
+    monkeypatch.setattr("tetrabench.memory.available_bytes", lambda: 3000)
+    with pytest.raises(MemoryRefusedError, match=r"a net of \d+ tetras needs about"):
+        build(mesh)
 
 
 def test_select(build):

@@ -71,10 +71,10 @@ class Skipped(msgspec.Struct, frozen=True, tag=True):
 
 
 class Failed(msgspec.Struct, frozen=True, tag=True):
-    """An exception ended the request; the worker goes on. `bad_input`: the user can mend it."""
+    """An exception ended the request; the worker goes on. `exit_code`: of an error that the user can mend, else 0."""
 
     reason: str
-    bad_input: bool = False
+    exit_code: int = 0
 
 
 Request = Open | Warm | Load | Measure

@@ -36,7 +36,7 @@ from tetrabench.bench.plan import Plan, Task
 from tetrabench.bench.progress import Progress
 from tetrabench.bench.record import Backend, Sample
 from tetrabench.bench.spawn import WorkerDied
-from tetrabench.errors import InputError
+from tetrabench.errors import InputError, MemoryRefusedError
 
 HOPELESS = 10.0
 """A contestant that takes so many times the reference's CPU time in the first round gets fewer rounds."""
@@ -279,9 +279,10 @@ class Ring:
         match reply:
             case Skipped(reason):
                 return End("skipped", reason)
-            case Failed(reason, bad_input):
-                if bad_input and isinstance(request, Open | Load):
-                    raise InputError(reason)
+            case Failed(reason, exit_code):
+                if exit_code and isinstance(request, Open | Load):
+                    kind = MemoryRefusedError if exit_code == MemoryRefusedError.exit_code else InputError
+                    raise kind(reason)
                 return End("error", reason)
         return reply
 

@@ -48,7 +48,7 @@ class Worker:
         try:
             return self._do(request)
         except (Exception, SystemExit) as error:
-            return Failed(_one_line(error), bad_input=isinstance(error, InputError))
+            return Failed(_one_line(error), error.exit_code if isinstance(error, InputError) else 0)
 
     def close(self) -> None:
         """Clear the stage."""

@@ -43,11 +43,13 @@ from tetrabench.io.nastran.scan import (
 )
 from tetrabench.io.nastran.source import Source, Window, count_lines
 from tetrabench.jit import kernel
+from tetrabench.memory import refuse_if_too_large
 from tetrabench.mesh.check import settle
 from tetrabench.mesh.tetra_mesh import MeshReport, TetraMesh
 
 MOST_FILES = 10_000
 DEEPEST = 50  # files within files
+PEAK = 2.0  # bytes of memory that a byte of a file takes: measured 0.8 (large field) to 1.8 (free field)
 CARD_BYTES = 40  # a usual card has more; the deck grows where they have fewer
 
 
@@ -68,6 +70,8 @@ def read_nastran(path: str | os.PathLike[str], *, unused: str = "drop", repair: 
         InputError: `path:line: reason` for anything that cannot be taken: a malformed card, a node that does not
             exist, an id used twice, a file to include that is missing or includes itself; `path: reason` for a file
             that cannot be read, that begins with BEGIN BULK and is cut off before ENDDATA, or that holds no CTETRA.
+        RepairableError: `settle` refuses a tetra, and repair="drop" would leave it out.
+        MemoryRefusedError: the file is too large for the memory that there is.
     """
     deck = _Deck(Path(path))
     deck.read(deck.main, ())
@@ -90,6 +94,7 @@ class _Deck:
         last = self.sources[-1] if self.sources else None
         source = Source(path, base=last.base + last.size + 1 if last else 0)
         self.sources.append(source)
+        refuse_if_too_large(f"reading {path}", source.size * PEAK)
         if not within:
             self.deck = empty_deck(source.size // CARD_BYTES + 1024)
         state = self.deck.state
