@@ -7,12 +7,14 @@ from pathlib import Path
 from tetrabench.errors import InputError
 from tetrabench.io.formats import BY_SUFFIX, read_foreign, write_foreign
 from tetrabench.io.nastran import read_nastran, write_nastran
+from tetrabench.memory import refuse_if_too_large
 from tetrabench.mesh.models import MODELS
 from tetrabench.mesh.tetra_mesh import TetraMesh
 
 __all__ = ["read_mesh", "read_nastran", "write_mesh", "write_nastran"]
 
 NASTRAN = (".nas", ".bdf", ".dat", ".fem")
+NASTRAN_ROOM = 4  # bytes of memory that reading takes at its peak, for each byte of the file; measured, rounded up
 
 
 def read_mesh(path: str | os.PathLike[str], *, unused: str = "drop", repair: str = "refuse") -> TetraMesh:
@@ -37,6 +39,7 @@ def read_mesh(path: str | os.PathLike[str], *, unused: str = "drop", repair: str
         hint = f"; make it with: {command}" if file.stem in MODELS else ""
         raise InputError(f"{path}: there is no such file{hint}")
     if suffix in NASTRAN:
+        refuse_if_too_large(f"reading {path}", NASTRAN_ROOM * file.stat().st_size)
         return read_nastran(path, unused=unused)
     return read_foreign(path, unused=unused, repair=repair)
 
