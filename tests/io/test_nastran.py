@@ -1,6 +1,7 @@
 """The Nastran reader against a naive twin, deck by deck, refusal by refusal; the writer by its round trip."""
 
 import re
+from collections import Counter
 from itertools import product
 from pathlib import Path
 
@@ -136,6 +137,13 @@ def decks(draw: st.DrawFn) -> str:
         cards.append(("GRID", [str(number), draw(st.sampled_from(["", "0"])), *coordinates]))
     nodes = st.permutations(ids).map(lambda order: tuple(order[:4]))
     tets = draw(st.lists(nodes, min_size=1, max_size=6, unique_by=lambda four: tuple(sorted(four))))
+    sides: Counter[frozenset[int]] = Counter()
+    for four in list(tets):
+        own = [frozenset(four) - {node} for node in four]
+        if any(sides[side] == 2 for side in own):
+            tets.remove(four)
+        else:
+            sides.update(own)
     used = {node for four in tets for node in four}
     cards = [card for card in cards if int(card[1][0]) in used]
     for number, four in enumerate(tets, start=draw(st.integers(1, 1000))):

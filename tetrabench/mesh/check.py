@@ -188,55 +188,66 @@ def find_duplicates(tets: Tets) -> Rows:
     return np.sort(order[1:][(ordered[1:] == ordered[:-1]).all(axis=1)])
 
 
-@kernel
 def is_suspect(tets: Tets, points: int) -> bool:
     """Whether there may be a tetra that is out of range, repeats a vertex, repeats another tetra, or is the
     third at a side. True says that it has to be looked for; False is certain.
 
     Two equal sides have the same smallest vertex. So each tetra puts a hash of its other vertices into the bucket
     of its smallest one: one for each of its sides there, and one for itself; its fourth side has the second
-    smallest. In a bucket a side may occur twice, a tetra once. A quarter of what a match of the sides costs, and
-    good for any numbering: what decides is small, and fits into the processor's caches.
+    smallest. In a bucket a side may occur twice, a tetra once. Half the time of matching the sides.
 
     Args:
         tets: (m, 4) int32, C-contiguous.
         points: the number of points.
     """
-    starts = np.zeros(points + 2, np.int64)
+    # allocated here, not in a kernel: numpy asks the system for large pages, numba does not
+    starts, hashes = np.zeros(points + 2, np.int64), np.empty(5 * len(tets), np.int32)
+    return not distribute_hashes(tets, starts, hashes) or bool(has_crowd(hashes, starts))
+
+
+@kernel(allocates=False)
+def distribute_hashes(tets: Tets, starts: Rows, hashes: NDArray[np.int32]) -> bool:
+    """Put hashes of tetras and sides into buckets by their smallest vertex v, hashes[starts[v]:starts[v + 1]].
+
+    Args:
+        tets: (m, 4) int32, C-contiguous.
+        starts: out, (points + 2,) int64, zeros.
+        hashes: out, (5 m,) int32; that of a tetra is odd, that of a side even.
+
+    Returns:
+        False where a tetra is out of range or repeats a vertex.
+    """
+    points = starts.size - 2
+    fine = True
     for t in range(tets.shape[0]):
         a, b, c, d = ordered_vertices(tets, t)
-        if a < 0 or d >= points or a == b or b == c or c == d:
-            return True
+        fine = fine and a >= 0 and d < points and a != b and b != c and c != d
+        if not fine:
+            break
         starts[a + 2] += 4
         starts[b + 2] += 1
     for v in range(points):
         starts[v + 2] += starts[v + 1]
-    hashes = np.empty(5 * tets.shape[0], np.int32)
-    for t in range(tets.shape[0]):
+    for t in range(tets.shape[0] if fine else 0):
         a, b, c, d = ordered_vertices(tets, t)
         place = starts[a + 1]
         starts[a + 1] = place + 4
         hashes[place] = hash_of(b, c) & ~1
         hashes[place + 1] = hash_of(b, d) & ~1
         hashes[place + 2] = hash_of(c, d) & ~1
-        hashes[place + 3] = hash_of(hash_of(b, c), d) | 1  # odd: the tetra itself, counts twice
+        hashes[place + 3] = hash_of(hash_of(b, c), d) | 1
         place = starts[b + 1]
         starts[b + 1] = place + 1
         hashes[place] = hash_of(c, d) & ~1
-    return has_crowd(hashes, starts, points)
+    return fine
 
 
 @kernel
-def has_crowd(hashes: NDArray[np.int32], starts: Rows, points: int) -> bool:
-    """Whether in one of the buckets equal hashes count more than 2: an even one for 1, an odd one for 2.
-
-    Args:
-        hashes: (k,) int32, in buckets one after the other.
-        starts: (points + 2,) int64, where each bucket begins.
-        points: the number of buckets.
-    """
+def has_crowd(hashes: NDArray[np.int32], starts: Rows) -> bool:
+    """Whether in one of the buckets of `distribute_hashes` equal hashes count more than 2: an even one for 1, an
+    odd one for 2."""
     counters = np.zeros(PLACES, np.uint8)
-    for v in range(points):
+    for v in range(starts.size - 2):
         most = 0
         for j in range(starts[v], starts[v + 1]):
             place = hashes[j] >> 1 & (PLACES - 1)

@@ -96,7 +96,7 @@ def inspect_mesh(mesh: TetraMesh) -> Inspection:
     isolated = np.sort(places[mesh.tets[alone.all(axis=1)]], axis=1)
     doubled, crossing = compare_places(np.sort(places[surface], axis=1), isolated)
     edges, vertices = count_nonmanifold(surface)
-    angle = float(smallest_dihedral_angle(mesh.points, mesh.tets))
+    angle = smallest_dihedral_angle(mesh.points, mesh.tets)
     low, high = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
     report = mesh.report
     return Inspection(

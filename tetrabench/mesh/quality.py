@@ -79,7 +79,7 @@ def smallest_dihedral_angle(points: NDArray[np.float64], tets: NDArray[np.int32]
             for cosine in (-dot(i, j), -dot(i, k), -dot(i, m), -dot(j, k), -dot(j, m), -dot(k, m)):
                 if not cosine <= largest_cosine:  # also where it is still NaN
                     largest_cosine = cosine
-    return np.degrees(np.arccos(min(largest_cosine, 1.0)))
+    return float(np.degrees(np.arccos(min(largest_cosine, 1.0))))
 
 
 @kernel(allocates=False, inline=True)
