@@ -6,7 +6,7 @@ INSTALLED = build/installed
 RUN_TETS ?= 120k
 OUT ?= out
 
-.PHONY: run test test-all lint types bench-native results clean help
+.PHONY: run test test-all lint types bench-native bench-peers results clean help
 
 help:            ## list the targets
 	@grep -E '^[a-z-]+: .*##|^[a-z-]+: *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 16
@@ -36,6 +36,10 @@ types: $(VENV)/developing  ## types and the direction of imports, on the package
 bench-native: $(VENV)/developing  ## our kernels beside C on the same arrays (needs gcc)
 	$(BIN)/python tests/native/bench_native.py
 
+bench-peers: $(VENV)/peers  ## our bulk operations beside packages from PyPI (half an hour; gmsh needs some system libraries)
+	@mkdir -p $(OUT)
+	$(BIN)/python tests/peers/bench_peers.py -o $(OUT)/peers.json
+
 results: $(BIN)/tetrabench  ## repeat the committed reference run and what README.md shows of it
 	$(BIN)/python results/regenerate.py
 
@@ -57,6 +61,11 @@ $(VENV)/developing: $(VENV)/bin/python pyproject.toml
 	@echo 'installing tetrabench, what it needs, and what its tests need'
 	@$(BIN)/python -m pip install -qq --no-build-isolation -e '.[dev]'
 	@touch $(BIN)/tetrabench $@
+
+$(VENV)/peers: $(VENV)/developing pyproject.toml
+	@echo 'installing the packages that tetrabench is compared with'
+	@$(BIN)/python -m pip install -qq --no-build-isolation -e '.[peers]'
+	@touch $(BIN)/tetrabench $(VENV)/developing $@
 
 clean:           ## remove the environment and everything built
 	rm -rf $(VENV) build dist out *.egg-info

@@ -1,0 +1,159 @@
+"""The bench of peers: answers are compared before times, missing peers are said, no figure without what it needs."""
+
+import json
+import subprocess
+import sys
+from copy import deepcopy
+from pathlib import Path
+from types import SimpleNamespace
+from unittest.mock import MagicMock
+
+import bench_peers
+import numpy as np
+import pytest
+from bench_peers import ROWS, line, measure, rows_of, turns_by_peer, warm_up
+from contests import Case, Contest, misplaced
+from peers import MODULES, MissingPeerError, load_peer
+
+from tetrabench.bench.clock import Clocks
+
+SMALL = ["--tets", "600", "--queries", "50", "--turns", "6"]
+
+
+def bench(*words, **more):
+    script = Path(bench_peers.__file__)
+    return subprocess.run([sys.executable, str(script), *words], capture_output=True, text=True, **more)
+
+
+def test_all_rows_from_answers_to_json(tmp_path):
+    """With whatever peers there are; on their own they may warn of things that are not ours."""
+    result = tmp_path / "peers.json"
+    done = bench(*SMALL, "-o", str(result))
+    assert done.returncode == 0, done.stdout + done.stderr
+    document = json.loads(result.read_text())
+    assert {row["peer"] for row in document["rows"]} | set(document["missing"]) == {row.peer for row in ROWS}
+    assert not {row["peer"] for row in document["rows"]} & set(document["missing"])
+    for row in document["rows"]:
+        assert line(row) in done.stdout
+        assert row["turns"] == len(row["pairs_s"]) == 6
+        assert row["low"] <= row["ratio"] <= row["high"]
+    for name, reason in document["missing"].items():
+        assert f"{name} is missing, its rows are left out: {reason}" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        (["--turns", "5"], "a number from 6"),
+        (["--turns", "nobody=7"], "not 'nobody=7'"),
+        (["--only", "sides,sidse"], "not sidse"),
+        (["-o", "nowhere/at/all.json"], "there is no folder nowhere/at"),
+    ],
+)
+def test_a_wrong_command_line_is_refused_in_one_line(words, reason):
+    done = bench(*words)
+    assert done.returncode == 2
+    assert reason in done.stderr.splitlines()[-1]
+    assert "Traceback" not in done.stderr
+
+
+def test_turns_and_rows():
+    turns = turns_by_peer(["9", "meshio=6"])
+    assert (turns("gmsh"), turns("meshio")) == (9, 6)
+    assert turns_by_peer([])("gmsh") == 21
+    assert [row[:3] for row in rows_of({"sides", "nearest", "natural", "libigl"})] == [("sides", "natural", "libigl")]
+    assert rows_of(set()) == ROWS
+
+
+def test_a_missing_peer_says_how_to_get_it(monkeypatch):
+    monkeypatch.setitem(MODULES, "meshio", "no_such_module_at_all")
+    with pytest.raises(MissingPeerError, match=r"no_such_module_at_all.*pip install 'tetrabench\[peers\]'"):
+        load_peer("meshio")
+
+
+def test_a_missing_library_of_gmsh_is_named(monkeypatch, tmp_path):
+    (tmp_path / "gmsh_without_glu.py").write_text("raise OSError('libGLU.so.1: cannot open shared object file')")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setitem(MODULES, "gmsh", "gmsh_without_glu")
+    with pytest.raises(MissingPeerError, match=r"libGLU.so.1.*apt install libglu1-mesa"):
+        load_peer("gmsh")
+
+
+def test_different_answers_are_not_timed():
+    difference, _ = warm_up(Contest(lambda: 1, lambda: 2, lambda ours, theirs: f"{ours} is not {theirs}"))
+    assert difference == "1 is not 2"
+    row = {"operation": "sides", "numbering": "natural", "peer": "libigl", "difference": difference}
+    assert line(row).endswith("NOT TIMED, the answers differ: 1 is not 2")
+
+
+@pytest.fixture(scope="module", params=["natural", "shuffled"])
+def case(request, tmp_path_factory):
+    return Case(600, 50, request.param, tmp_path_factory.mktemp("peers"))
+
+
+def as_gmsh(mesh):
+    return (mesh.point_ids, mesh.points.ravel(), None), (mesh.tet_ids, mesh.point_ids[mesh.tets].ravel())
+
+
+def as_meshio(mesh):
+    return SimpleNamespace(points=mesh.points, cells_dict={"tetra": mesh.tets})
+
+
+def as_libigl(neighbours):
+    return neighbours[:, [3, 2, 0, 1]], None  # its faces are 012, 013, 123, 203
+
+
+def as_scipy(table):
+    return SimpleNamespace(indptr=table[0], indices=table[1])
+
+
+ANSWERS = {
+    ("read-small", "gmsh"): (as_gmsh, lambda theirs: theirs[0][1], "coordinates differ in 1 places"),
+    ("read-large", "gmsh"): (as_gmsh, lambda theirs: theirs[1][1], "vertices of the tetras differ in 1 places"),
+    ("read-small", "meshio"): (as_meshio, lambda theirs: theirs.points, "coordinates differ in 1 places"),
+    ("read-large", "meshio"): (as_meshio, lambda theirs: theirs.cells_dict["tetra"], "vertices of the tetras differ"),
+    ("sides", "libigl"): (as_libigl, lambda theirs: theirs[0], "side neighbours differ in 1 places"),
+    ("vertex-tetras", "scipy"): (as_scipy, lambda theirs: theirs.indices, "tetras around the points differ"),
+    ("nearest", "pynanoflann"): (np.array, np.array, "1 of 50 distances differ"),
+}
+"""How the right answer looks when the peer says it, one array in it, and what is said when an entry of that is wrong."""
+
+
+@pytest.mark.parametrize(("operation", "peer"), ANSWERS)
+def test_each_judge_sees_one_wrong_entry(operation, peer, case):
+    """No peer is needed: ours says what the peer would."""
+    put, choose, complaint = ANSWERS[operation, peer]
+    make = next(row.contest for row in ROWS if (row.operation, row.peer) == (operation, peer))
+    contest = make(case, MagicMock())
+    theirs = deepcopy(put(contest.ours()))
+    assert contest.differ(contest.ours(), theirs) == ""
+    wrong = choose(theirs)
+    wrong.flat[7] = wrong.flat[20] if wrong.flat[7] != wrong.flat[20] else wrong.flat[21]
+    if operation == "nearest":
+        theirs = wrong
+    assert complaint in contest.differ(contest.ours(), theirs)
+
+
+def test_the_judge_of_located_points(case):
+    rows = case.net.locate(case.queries)
+    assert misplaced(case, rows, "we") == ""
+    rows[3], rows[5] = -1, rows[6]
+    assert misplaced(case, rows, "they") == "they find 2 of 50 points in a wrong tetra"
+
+
+def test_bars_and_threads(monkeypatch):
+    """A bar is met by the upper end of the interval; time that other threads spent makes no ratio."""
+    clocks = iter([0.1, 0.2, 0.2, 0.1] * 3)
+    monkeypatch.setattr(bench_peers, "sample", lambda *_: Clocks(*[next(clocks)] * 3))
+    contest = Contest(tuple, tuple, lambda *_: "")
+    row = measure(contest, 0.51, 6, lambda _: None)
+    assert (row["ratio"], row["met"], row["one_thread"]) == (0.5, True, True)
+    clocks = iter([0.1, 0.2, 0.2, 0.1] * 3)
+    row = measure(contest, 0.49, 6, lambda _: None)
+    assert row["met"] is False
+    monkeypatch.setattr(bench_peers, "sample", lambda *_: Clocks(0.1, 0.15, 0.1))
+    row |= {"operation": "sides", "numbering": "natural", "peer": "libigl", "bar": 0.5}
+    row |= measure(contest, 0.5, 6, lambda _: None)
+    assert not row["one_thread"]
+    assert "NOT COMPARABLE" in line(row)
+    assert np.allclose(row["pairs_s"], 0.15)
