@@ -284,7 +284,7 @@ def eight_bytes(text: Bytes, place: int) -> Any:
 
 
 @kernel(allocates=False, inline=True)
-def parse_eight(word: Any) -> int:
+def parse_eight(word: Any) -> Any:
     """The whole number in a word of `eight_bytes`, 0 where all are blank; -1 for anything but blanks, digits, blanks."""
     shifts = 0
     while word >> np.uint64(56) == np.uint64(BLANK) and shifts < 8:

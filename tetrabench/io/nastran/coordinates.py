@@ -7,7 +7,7 @@ degrees.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -31,15 +31,17 @@ class System:
 
     Attributes:
         form: "R" rectangular, "C" cylindrical, "S" spherical.
-        within: the system of the three points A, B, C, where these are coordinates.
-        corners: (3, 3) float64, A, B, C as coordinates; or (3,) int64, their GRIDs.
         place: first byte of the card.
+        within: the system of `corners`.
+        corners: (3, 3) float64, the points A, B, C, where these are given by coordinates.
+        grids: the ids of A, B, C where they are GRIDs, else empty.
     """
 
     form: str
-    within: int
-    corners: Reals | Integers
     place: int
+    within: int = BASIC
+    corners: Reals = field(default_factory=lambda: np.zeros((3, 3)))
+    grids: tuple[int, ...] = ()
 
 
 def rectangular(form: str, given: Reals) -> Reals:
@@ -87,8 +89,8 @@ class Frames:
             chain = " -> ".join(map(str, [*self._waiting[self._waiting.index(number) :], number]))
             raise FaultySystemError(system.place, f"coordinate system {number} needs itself: {chain}")
         self._waiting.append(number)
-        if system.corners.ndim == 1:
-            a, b, c = (self._grid(int(node), number) for node in system.corners)
+        if system.grids:
+            a, b, c = (self._grid(node, number) for node in system.grids)
         else:
             a, b, c = self.to_basic(system.within, system.corners)
         self._waiting.pop()
@@ -107,4 +109,5 @@ class Frames:
             reason = f"coordinate system {number} uses GRID {node}, which does not exist"
             raise FaultySystemError(self._systems[number].place, reason)
         row = self._order[place]
-        return self.to_basic(int(self._systems_of[row]), self._points[row : row + 1])[0]
+        basic: Reals = self.to_basic(int(self._systems_of[row]), self._points[row : row + 1])[0]
+        return basic

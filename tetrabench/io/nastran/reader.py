@@ -294,10 +294,10 @@ class _Deck:
             unused=unused,
             repair=repair,
         )
-        row = first_repeated(mesh.tet_ids)
-        if row is not None:
-            place = int(tet_places[np.flatnonzero(tet_ids == mesh.tet_ids[row])[1]])
-            raise self.refusal(place, f"CTETRA {mesh.tet_ids[row]} twice, with different nodes")
+        twice = first_repeated(mesh.tet_ids)
+        if twice is not None:
+            place = int(tet_places[np.flatnonzero(tet_ids == mesh.tet_ids[twice])[1]])
+            raise self.refusal(place, f"CTETRA {mesh.tet_ids[twice]} twice, with different nodes")
         return mesh
 
     def count_names(self) -> dict[str, int]:
@@ -337,10 +337,10 @@ class _Deck:
 
     def systems(self) -> Iterator[tuple[int, System]]:
         """The coordinate systems of the deck, by number."""
-        seen: dict[int, tuple[str, int, list[list[float]]]] = {}
+        seen: dict[int, tuple[object, ...]] = {}
         for kind, place in self.cords():
             for number, system in self.definitions(kind, place):
-                same = (system.form, system.within, system.corners.tolist())
+                same = (system.form, system.within, system.corners.tolist(), system.grids)
                 if seen.setdefault(number, same) != same:
                     raise self.refusal(place, f"coordinate system {number} is defined twice, in different ways")
                 yield number, system
@@ -358,12 +358,12 @@ class _Deck:
                 raise ValueError(REASONS[reason].format(field=self.words(*(source.base + deck.wrong).tolist())))
             if points == 2:
                 corners = np.array([float(spelled_number(word or "0")) for word in words[2:11]]).reshape(3, 3)
-                yield int(words[0]), System(form, int(words[1] or 0), corners, place)
+                yield int(words[0]), System(form, place, within=int(words[1] or 0), corners=corners)
             else:
                 for first in (0, 4):
                     if words[first]:
-                        nodes = np.array([int(word) for word in words[first + 1 : first + 4]])
-                        yield int(words[first]), System(form, BASIC, nodes, place)
+                        grids = tuple(int(word) for word in words[first + 1 : first + 4])
+                        yield int(words[first]), System(form, place, grids=grids)
         except ValueError as error:
             raise self.refusal(place, f"CORD{points}{form}: {error}") from None
 

@@ -1,6 +1,6 @@
 """The loop over the cards of a file: GRID and CTETRA go into a `Deck`, the places of what is rarer too."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -449,7 +449,7 @@ def take_plain_point(text: Bytes, place: int, ids: Integers, systems: Integers, 
 
 
 @kernel(allocates=False)
-def parse_sixteen(text: Bytes, place: int) -> int:
+def parse_sixteen(text: Bytes, place: int) -> Any:
     """The whole number in 16 columns, 0 where all are blank; -1 for anything else than `parse_eight` takes."""
     first, second = eight_bytes(text, place), eight_bytes(text, place + 8)
     high, low = parse_eight(first), parse_eight(second)

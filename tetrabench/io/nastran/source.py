@@ -94,7 +94,7 @@ class Window:
         filled, read = kept, -1
         try:
             while read and filled < len(self._buffer):
-                read = self._file.readinto(memoryview(self._buffer)[filled:])
+                read = self._file.readinto(self._buffer[filled:].data)
                 filled += read
         except OSError as error:
             raise self._source.unreadable(error) from error
