@@ -96,7 +96,8 @@ def settle(
     used = np.zeros(len(points), np.bool_)
     mark_used(tets, used)
     unreferenced = int(len(used) - np.count_nonzero(used))
-    inverted, degenerate = count_signs(points, tets)
+    with np.errstate(all="ignore"):  # volumes beyond float64 are counted; with the JIT off numpy would warn
+        inverted, degenerate = count_signs(points, tets)
     point_ids = mesh.point_ids
     if unreferenced and unused == "drop":
         tets = (np.cumsum(used, dtype=np.int32) - np.int32(1))[tets]

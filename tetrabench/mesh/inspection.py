@@ -85,30 +85,33 @@ def inspect_mesh(mesh: TetraMesh) -> Inspection:
     Raises:
         InputError: a side is shared by more than two tetras.
     """
-    neighbours = side_neighbours(mesh.tets)
-    used = np.zeros(len(mesh.points), np.bool_)
-    used[mesh.tets.ravel()] = True
-    corners = mesh.points[used]
-    places = find_places(mesh.points, used)
+    points, tets = np.require(mesh.points, np.float64, ["C", "W"]), np.require(mesh.tets, np.int32, ["C", "W"])
+    neighbours = side_neighbours(tets)
+    used = np.zeros(len(points), np.bool_)
+    used[tets.ravel()] = True
+    corners = points[used]
+    places = find_places(points, used)
     alone = neighbours < 0
     tetra, opposite = np.nonzero(alone)
-    surface = np.sort(mesh.tets[tetra[:, None], SIDES[opposite]], axis=1).astype(np.int64)
-    isolated = np.sort(places[mesh.tets[alone.all(axis=1)]], axis=1)
+    surface = np.sort(tets[tetra[:, None], SIDES[opposite]], axis=1).astype(np.int64)
+    isolated = np.sort(places[tets[alone.all(axis=1)]], axis=1)
     doubled, crossing = compare_places(np.sort(places[surface], axis=1), isolated)
     edges, vertices = count_nonmanifold(surface)
-    angle = smallest_dihedral_angle(mesh.points, mesh.tets)
+    with np.errstate(all="ignore"):  # a volume may be beyond float64
+        angle = smallest_dihedral_angle(points, tets)
+        volume = float(np.abs(signed_volumes(points, tets)).sum())
     low, high = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
     report = mesh.report
     return Inspection(
         source=report.source,
         format=report.format,
-        points=len(mesh.points),
-        tetras=len(mesh.tets),
+        points=len(points),
+        tetras=len(tets),
         components=count_components(neighbours),
         surface_sides=len(surface),
         lowest=(low[0], low[1], low[2]),
         highest=(high[0], high[1], high[2]),
-        volume=float(np.abs(signed_volumes(mesh.points, mesh.tets)).sum()),
+        volume=volume,
         smallest_dihedral_angle=None if np.isnan(angle) else angle,
         inverted=report.inverted,
         degenerate=report.degenerate,

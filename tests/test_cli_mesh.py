@@ -1,0 +1,160 @@
+"""The verbs about meshes: info and convert."""
+
+import json
+import re
+import time
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.meshes import apart, mesh_of
+from tests.test_cli import refusal, say
+from tetrabench.io import read_mesh, write_mesh
+from tetrabench.mesh.inspection import Inspection
+from tetrabench.mesh.models import generate
+
+POINTS = np.random.default_rng(1).uniform(size=(9, 3))
+FAULTY = [[0, 1, 2, 3], [1, 2, 3, 4], [1, 2, 3, 5], [3, 2, 1, 0], [7, 7, 7, 6]]
+
+
+@pytest.fixture
+def faulty(tmp_path: Path) -> Path:
+    """A file with a tetra of each kind that is left out."""
+    write_mesh(mesh_of(POINTS, FAULTY), tmp_path / "faulty.vtu")
+    return tmp_path / "faulty.vtu"
+
+
+# ---------------------------------------------------------------------- info
+
+
+def test_info_of_a_sound_file(tmp_path: Path) -> None:
+    write_mesh(apart(), tmp_path / "a.vtu")
+    result = say("info", tmp_path / "a.vtu")
+    assert (result.exit_code, result.stderr) == (0, "")
+    values = dict(re.split(" {2,}", line) for line in result.stdout.splitlines())
+    assert values["format"] == "VTK XML"
+    assert (values["points"], values["tetras"], values["components"], values["unreferenced"]) == ("9", "2", "2", "1")
+    assert (values["lowest"], values["highest"], values["volume"]) == ("0, 0, 0", "6, 6, 6", "0.333333333")
+    assert (values["smallest dihedral angle"], values["dropped"]) == ("54.7 degrees", "none")
+
+
+def test_keys_of_the_json_are_those_documented(tmp_path: Path) -> None:
+    write_mesh(generate("box", 48), tmp_path / "box.nas")
+    result = say("info", tmp_path / "box.nas", "--format", "json")
+    assert (result.exit_code, result.stderr) == (0, "")
+    told = json.loads(result.stdout)
+    assert list(told) == [field.name for field in fields(Inspection)]
+    assert all(f"        {name}: " in (Inspection.__doc__ or "") for name in told)
+    assert (told["tetras"], told["points"], told["surface_sides"]) == (48, 27, 48)
+    assert told["volume"] == pytest.approx(1)
+    assert (told["dropped"], told["refusal"]) == ({}, "")
+
+
+def test_info_of_what_is_refused_for_faults_that_can_be_left_out(faulty: Path) -> None:
+    result = say("info", faulty)
+    assert result.exit_code == 0
+    assert "dropped                  repeated node 1, duplicate 1, crowded side 1\n" in result.stdout
+    sentence = "tetra 5 repeats a node; also: 1 duplicate, 1 crowded side"
+    assert f"- {faulty}: {sentence}; left out\n" in result.stdout
+    assert result.stdout.endswith("- the file is refused, unless --repair drop leaves these tetras out\n")
+    told = json.loads(say("info", faulty, "--format", "json").stdout)
+    assert told["refusal"] == f"{faulty}: {sentence}; --repair drop leaves them out"
+    assert (told["tetras"], told["points"], told["unreferenced"]) == (2, 9, 4)
+
+    result = say("info", faulty, "--repair", "drop")
+    assert result.exit_code == 0
+    assert "is refused" not in result.stdout
+    assert json.loads(say("info", faulty, "--repair", "drop", "--format", "json").stdout)["refusal"] == ""
+
+
+def test_info_of_what_cannot_be_read(tmp_path: Path) -> None:
+    assert "there is no such file" in refusal("info", tmp_path / "no.vtu")
+    (tmp_path / "bad.vtu").write_text("nonsense")
+    assert "cannot be read as VTK XML" in refusal("info", tmp_path / "bad.vtu")
+    assert "'.vtux' names no known format" in refusal("info", tmp_path / "a.vtux")
+
+
+def test_more_memory_than_there_is_is_6(faulty: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tetrabench.memory.available_bytes", lambda: 1000)
+    for words in (["info", faulty], ["convert", faulty, faulty.with_suffix(".mesh")]):
+        result = say(*words)
+        assert (result.exit_code, result.stdout) == (6, "")
+        assert re.fullmatch(r"tetrabench: reading .* needs about .*; take a smaller one.*\n", result.stderr)
+    assert list(faulty.parent.iterdir()) == [faulty]
+
+
+def test_what_takes_long_says_what_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_mesh(apart(), tmp_path / "a.vtu")
+    monkeypatch.setattr("tetrabench.cli.PATIENCE", 0.05)
+
+    def slow_read(*words: object, **options: str) -> object:
+        time.sleep(0.5)
+        return read_mesh(*words, **options)
+
+    monkeypatch.setattr("tetrabench.io.read_mesh", slow_read)
+    result = say("info", tmp_path / "a.vtu")
+    assert result.stderr.splitlines()[0] == f"reading {tmp_path / 'a.vtu'} ..."
+    assert "\x1b" not in result.output
+    assert result.exit_code == 0
+
+
+# ---------------------------------------------------------------------- convert
+
+
+def test_convert_there_and_back(tmp_path: Path) -> None:
+    mesh = generate("box", 48, seed=4)
+    write_mesh(mesh, tmp_path / "a.nas", field="free")
+    result = say("convert", tmp_path / "a.nas", tmp_path / "b.vtu")
+    assert (result.exit_code, result.stdout) == (0, "")
+    assert result.stderr == f"wrote {tmp_path / 'b.vtu'}: 48 tetras, 27 points\n"
+    say("convert", tmp_path / "b.vtu", tmp_path / "c.nas", "--field", "free")
+    back = read_mesh(tmp_path / "c.nas")
+    assert back.points.tobytes() == mesh.points.tobytes()
+    np.testing.assert_array_equal(back.tets, mesh.tets)
+    np.testing.assert_array_equal(back.point_ids, mesh.point_ids)
+
+
+def test_convert_into_the_same_file(tmp_path: Path) -> None:
+    write_mesh(generate("box", 48), tmp_path / "a.vtk")
+    assert say("convert", tmp_path / "a.vtk", tmp_path / "a.vtk", "--numbering", "shuffled").exit_code == 0
+    assert len(read_mesh(tmp_path / "a.vtk").tets) == 48
+
+
+def test_convert_renumbers_and_nothing_else(tmp_path: Path) -> None:
+    write_mesh(generate("box", 48), tmp_path / "a.vtk")
+    orders = {}
+    for words in ((), ("--numbering", "shuffled"), ("--numbering", "shuffled", "--seed", 1)):
+        say("convert", tmp_path / "a.vtk", tmp_path / "b.vtk", *words)
+        back = read_mesh(tmp_path / "b.vtk")
+        places = np.sort(back.points[back.tets].reshape(len(back.tets), -1), axis=0)
+        orders[back.tets.tobytes()] = places.tobytes()
+    assert len(orders) == 3
+    assert len(set(orders.values())) == 1
+
+
+def test_convert_says_what_it_leaves_out(faulty: Path) -> None:
+    target = faulty.with_suffix(".mesh")
+    assert "repeats a node" in refusal("convert", faulty, target)
+    assert not target.exists()
+    result = say("convert", faulty, target, "--repair", "drop")
+    assert result.exit_code == 0
+    assert result.stderr.splitlines() == [
+        f"{faulty}: tetra 5 repeats a node; also: 1 duplicate, 1 crowded side; left out",
+        "left out 4 points that no tetra uses",
+        f"wrote {target}: 2 tetras, 5 points",
+    ]
+    assert say("convert", faulty, target, "--repair", "drop", "--unused", "keep").exit_code == 0
+    assert len(read_mesh(target, unused="keep").points) == 9
+
+
+def test_convert_refuses_before_it_reads(tmp_path: Path) -> None:
+    write_mesh(apart(), tmp_path / "a.vtu")
+    assert "did you mean .vtu?" in refusal("convert", tmp_path / "nowhere.vtu", tmp_path / "b.vtux")
+    assert "hold surfaces" in refusal("convert", tmp_path / "a.vtu", tmp_path / "b.stl")
+    assert "can only be chosen for Nastran" in refusal(
+        "convert", tmp_path / "a.vtu", tmp_path / "b.vtk", "--field", "free"
+    )
+    assert say("convert", tmp_path / "a.vtu", tmp_path / "nowhere" / "b.vtk").exit_code == 2
+    assert [file.name for file in tmp_path.iterdir()] == ["a.vtu"]
