@@ -136,6 +136,7 @@ def main() -> None:
     signal.signal(signal.SIGALRM, _too_long)
     decks, faults, begin = corpus(), 0, time.monotonic()
     with tempfile.TemporaryDirectory() as folder:
+        judge(decks[0], Path(folder))  # compiles
         for k in range(options.decks):
             deck = mutated(decks, random.Random(f"{options.seed} {k}"))
             signal.alarm(SECONDS)

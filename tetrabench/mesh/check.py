@@ -152,13 +152,6 @@ def find_faults(points: Points, tets: NDArray[np.integer], where: Callable[[str,
     return faults
 
 
-def find_fault(points: Points, tets: Tets) -> tuple[str, int, str] | None:
-    """The first of `find_faults`. (Goes as soon as io/nastran.py calls `settle`.)"""
-    for reason, rows in find_faults(points, tets, lambda kind, row: f"{kind} of row {row}").items():
-        return "tetra", int(rows[0]), REASONS[reason]
-    return None
-
-
 def describe_faults(faults: dict[str, Rows], tet_ids: Rows, where: Callable[[str, int], str]) -> str:
     """Say in one line which tetra is the first of its kind, and which are others."""
     first, *others = faults.items()
