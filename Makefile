@@ -6,7 +6,7 @@ INSTALLED = build/installed
 RUN_TETS ?= 120k
 OUT ?= out
 
-.PHONY: run test test-all lint types bench-native bench-peers results clean help
+.PHONY: run test test-all lint types bench-native bench-peers fuzz results thesis clean help
 
 help:            ## list the targets
 	@grep -E '^[a-z-]+: .*##|^[a-z-]+: *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 16
@@ -40,8 +40,14 @@ bench-peers: $(VENV)/peers  ## our bulk operations beside packages from PyPI (ha
 	@mkdir -p $(OUT)
 	$(BIN)/python tests/peers/bench_peers.py -o $(OUT)/peers.json
 
+fuzz: $(VENV)/developing  ## a million mutated decks through the Nastran reader (hours)
+	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m tests.io.fuzz_nastran
+
 results: $(BIN)/tetrabench  ## repeat the committed reference run and what README.md shows of it
-	$(BIN)/python results/regenerate.py
+	$(BIN)/python results/regenerate.py nozzle-120k-quick
+
+thesis: $(BIN)/tetrabench  ## repeat the committed runs of the source's experiment (an hour) and what results/README.md shows
+	$(BIN)/python results/regenerate.py thesis-nozzle thesis-nozzle-shuffled thesis-intake thesis-intake-shuffled
 
 $(VENV)/bin/python:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \

@@ -1,14 +1,22 @@
-"""Repeat the committed run that README.md shows, and put its table there: `make results`."""
+"""Repeat the committed runs, and put their tables into the pages that show them: `make results`, `make thesis`."""
 
+import argparse
 import re
 import subprocess
 import sys
 from pathlib import Path
 
 RESULTS = Path(__file__).parent
-README = RESULTS.parent / "README.md"
-RUN = RESULTS / "nozzle-120k-quick.json"
-BEGIN, END = "<!-- table: begin -->", "<!-- table: end -->"
+RUNS = {
+    "nozzle-120k-quick": "--model nozzle --tets 120k --quick",
+    "thesis-nozzle": "--model nozzle --thesis",
+    "thesis-nozzle-shuffled": "--model nozzle --numbering shuffled --thesis",
+    "thesis-intake": "--model intake --thesis",
+    "thesis-intake-shuffled": "--model intake --numbering shuffled --thesis",
+}
+"""File in this folder -> what `tetrabench run` is told."""
+
+PAGES = {name: (RESULTS if name.startswith("thesis") else RESULTS.parent) / "README.md" for name in RUNS}
 
 
 def tetrabench(*arguments: str) -> str:
@@ -17,26 +25,44 @@ def tetrabench(*arguments: str) -> str:
     return subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout
 
 
-def table() -> str:
-    """The table of the committed run, as Markdown."""
-    return tetrabench("show", str(RUN), "--format", "md").strip()
+def table(name: str) -> str:
+    """The table of a committed run, as Markdown."""
+    return tetrabench("show", str(RESULTS / f"{name}.json"), "--format", "md").strip()
 
 
-def shown() -> str:
-    """What README.md shows."""
-    return README.read_text().partition(BEGIN)[2].partition(END)[0].strip()
+def marks(name: str) -> tuple[str, str]:
+    """What stands around the table on its page."""
+    return f"<!-- table {name}: begin -->", f"<!-- table {name}: end -->"
+
+
+def shown(name: str) -> str:
+    """What the page shows."""
+    begin, end = marks(name)
+    return PAGES[name].read_text().partition(begin)[2].partition(end)[0].strip()
+
+
+def regenerate(name: str, *, run: bool) -> None:
+    """Run, draw, and rewrite the table; or show the committed run anew."""
+    file, folder = RESULTS / f"{name}.json", RESULTS / name
+    folder.mkdir(exist_ok=True)
+    if run:
+        tetrabench("run", *RUNS[name].split(), "-o", str(file), "--charts", str(folder))
+    else:
+        tetrabench("show", str(file), "--charts", str(folder))
+    begin, end = marks(name)
+    block = f"{begin}\n{table(name)}\n{end}"
+    page = PAGES[name].read_text()
+    PAGES[name].write_text(re.sub(f"{begin}.*{end}", lambda _: block, page, flags=re.DOTALL))
 
 
 def main() -> None:
-    """Run, draw, and rewrite the table; with --table the committed run is only shown anew."""
-    charts = ["--charts", str(RESULTS / RUN.stem)]
-    (RESULTS / RUN.stem).mkdir(exist_ok=True)
-    if "--table" in sys.argv[1:]:
-        tetrabench("show", str(RUN), *charts)
-    else:
-        tetrabench("run", "--model", "nozzle", "--tets", "120k", "--quick", "-o", str(RUN), *charts)
-    block = f"{BEGIN}\n{table()}\n{END}"
-    README.write_text(re.sub(f"{BEGIN}.*{END}", lambda _: block, README.read_text(), flags=re.DOTALL))
+    """The runs named, or all."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("runs", nargs="*", metavar="RUN", help=", ".join(RUNS))
+    parser.add_argument("--table", action="store_true", help="run nothing, show what is committed")
+    options = parser.parse_args()
+    for name in options.runs or RUNS:
+        regenerate(name, run=not options.table)
 
 
 if __name__ == "__main__":

@@ -368,7 +368,7 @@ def test_parse_eight_takes_digits_between_blanks() -> None:
         for spelled in (text.ljust(8), text.rjust(8)):
             word = eight_bytes(np.frombuffer(f"x{spelled}x".encode("latin-1"), np.uint8).copy(), 1)
             plain = re.fullmatch(" *[0-9]* *", spelled)
-            assert parse_eight(word) == (int(spelled.strip() or 0) if plain else -1), repr(spelled)
+            assert parse_eight(np.uint64(word)) == (int(spelled.strip() or 0) if plain else -1), repr(spelled)
 
 
 # ------------------------------ cut files
