@@ -65,10 +65,27 @@ def test_version_and_help():
         assert say(verb, "--help").exit_code == 0
 
 
-def test_wrong_usage_is_2():
-    assert say("run").exit_code == 2
-    assert say("list", "colours").exit_code == 2
-    assert "100k" in say(*RUN[:3], "--tets", "lots").stderr
+@pytest.mark.parametrize(
+    ("words", "answer"),
+    [
+        (["run"], "Missing option '--model'; see "),
+        (["list", "colours"], "'colours' is not one of 'backends'"),
+        (["run", "--model", "box", "--tets", "lots"], "100k"),
+        (["run", "--modle", "box"], "Did you mean '--model'?"),
+        (["rnu", "--model", "box"], "no verb 'rnu'; did you mean 'run'?"),
+    ],
+)
+def test_wrong_usage_is_one_line_and_2(words: list[str], answer: str):
+    assert answer in refusal(*words)
+
+
+def test_no_words_show_the_help():
+    assert "Commands:" in say().stderr
+
+
+def test_a_file_of_no_known_format_is_refused_before_the_work(tmp_path: Path):
+    (tmp_path / "mesh.xyz").write_text("x")
+    assert "'.xyz' names no known format" in refusal("run", "--model", tmp_path / "mesh.xyz")
 
 
 # ---------------------------------------------------------------------- refusals

@@ -12,11 +12,11 @@ import tempfile
 import threading
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from tetrabench.errors import RepairableError, TetrabenchError
+from tetrabench.errors import InputError, RepairableError, TetrabenchError, find_named
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -32,7 +32,36 @@ INTERRUPTED = 130
 
 
 class Verbs(click.Group):
-    """All verbs, and what becomes of their errors."""
+    """All verbs, and what becomes of their errors: one line, and an exit code."""
+
+    def main(self, *args: Any, **extra: Any) -> NoReturn:  # type: ignore[override]
+        """Run the command line."""
+        extra["standalone_mode"] = False  # click would print its usage too, in four lines
+        try:
+            code = super().main(*args, **extra)
+        except click.exceptions.NoArgsIsHelpError as error:
+            error.show()
+            sys.exit(error.exit_code)
+        except click.UsageError as error:
+            command = error.ctx.command_path if error.ctx else "tetrabench"
+            say(f"tetrabench: {error.format_message().rstrip('.')}; see {command} --help")
+            sys.exit(error.exit_code)
+        except click.ClickException as error:
+            say(f"tetrabench: {error.format_message()}")
+            sys.exit(error.exit_code)
+        except click.Abort:
+            say("tetrabench: interrupted")
+            sys.exit(INTERRUPTED)
+        sys.exit(code if isinstance(code, int) else 0)
+
+    def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
+        """Find the verb, or say which one is near."""
+        if args and not args[0].startswith("-"):
+            try:
+                find_named("verb", self.commands, args[0])
+            except InputError as error:
+                raise click.UsageError(str(error), ctx) from None
+        return super().resolve_command(ctx, args)
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run a verb."""
@@ -79,7 +108,6 @@ def check_folder(ctx: click.Context, param: click.Parameter, path: Path | None) 
 
 def check_numbering(ctx: click.Context, param: click.Parameter, name: str) -> str:
     """The name of a numbering, looked up before the work."""
-    from tetrabench.errors import find_named
     from tetrabench.mesh.numbering import NUMBERINGS
 
     find_named("numbering", NUMBERINGS, name)

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from tetrabench.errors import InputError
-from tetrabench.io import read_mesh, write_mesh
+from tetrabench.io import known_suffix, read_mesh, write_mesh
 from tetrabench.jit import cache_root, kernel
 from tetrabench.mesh import TetraMesh
 from tetrabench.mesh.models import MODELS, generate
@@ -140,6 +140,7 @@ class TetraFamily:
                 raise InputError(f"{path}: a folder, not a file")
             if not path.is_file():
                 raise InputError(_how_to_get(path))
+            known_suffix(path)
             if size is not None or numbering != "natural":
                 raise InputError(f"{model} is a file: a size or numbering can only be given for {', '.join(MODELS)}")
             return path
