@@ -1,4 +1,4 @@
-/* Delete and explode: slots, incidence lists, geometry, insertion and deletion of points and tetras.
+/* Delete, explode and replace: slots, incidence lists, geometry, insertion and deletion of points and tetras.
 
    The steps are those of tetrabench/tetra/edit.py, with the same checks; what raises there returns false or NONE here. */
 
@@ -153,6 +153,33 @@ static void set_geometry(Net *net, Ref t)
 }
 
 /* ---- points and tetras ---- */
+
+/* A point becomes a leaf of the k-d tree. False where the tree would have to be rebuilt first, which is no part of this yardstick. */
+static bool insert_node(Net *net, int32_t point)
+{
+    const double *xyz = net->xyz[point];
+    int32_t place = net->tree[COUNT]++;
+    net->nodes[place] = (TreeNode){{xyz[0], xyz[1], xyz[2]}, -1, -1, point};
+    int64_t depth = 1;
+    int axis = 0;
+    int32_t parent = net->tree[ROOT];
+    if (parent < 0)
+        net->tree[ROOT] = place;
+    while (parent >= 0) {
+        TreeNode *node = &net->nodes[parent];
+        int32_t *child = xyz[axis] < node->at[axis] ? &node->left : &node->right;
+        parent = *child;
+        if (parent < 0)
+            *child = place;
+        axis = axis < 2 ? axis + 1 : 0;
+        depth++;
+    }
+    if (depth > net->tree[DEPTH]) {
+        net->tree[DEPTH] = depth;
+        return depth <= 2.5 * log2(place + 1.0) + 4.0;
+    }
+    return true;
+}
 
 /* The ref of the point there: of an existing one, of a new one, or -1 where there is no room for it. */
 static int32_t insert_point(Net *net, const double at[3])
@@ -320,4 +347,18 @@ int64_t explode(Net *net, const int64_t *refs, int64_t count)
         }
     }
     return skipped;
+}
+
+/* Delete each tetra of `refs` and insert it again, between the same points. How many could be. */
+int64_t replace(Net *net, const int64_t *refs, int64_t count)
+{
+    for (int64_t n = 0; n < count; n++) {
+        Ref t = (Ref)refs[n];
+        int32_t v[4];
+        for (int i = 0; i < 4; i++)
+            v[i] = AT(t, vertex)[i];
+        if (!delete_tetra(net, t) || insert_tetra(net, v[0], v[1], v[2], v[3]) == NONE)
+            return n;
+    }
+    return count;
 }

@@ -1,4 +1,4 @@
-/* The k-d tree: nearest point with incremental distances to the cells (Arya and Mount, 1993), insertion as a leaf. */
+/* The k-d tree: nearest point with incremental distances to the cells (Arya and Mount, 1993). */
 
 #ifndef NEAREST_H
 #define NEAREST_H
@@ -51,33 +51,6 @@ static int32_t nearest_point(const Net *net, const double query[3], double *dist
     }
     *distance = best_distance;
     return best;
-}
-
-/* False where the tree would have to be rebuilt first, which is no part of this yardstick. */
-static bool insert_node(Net *net, int32_t point)
-{
-    const double *xyz = net->xyz[point];
-    int32_t place = net->tree[COUNT]++;
-    net->nodes[place] = (TreeNode){{xyz[0], xyz[1], xyz[2]}, -1, -1, point};
-    int64_t depth = 1;
-    int axis = 0;
-    int32_t parent = net->tree[ROOT];
-    if (parent < 0)
-        net->tree[ROOT] = place;
-    while (parent >= 0) {
-        TreeNode *node = &net->nodes[parent];
-        int32_t *child = xyz[axis] < node->at[axis] ? &node->left : &node->right;
-        parent = *child;
-        if (parent < 0)
-            *child = place;
-        axis = axis < 2 ? axis + 1 : 0;
-        depth++;
-    }
-    if (depth > net->tree[DEPTH]) {
-        net->tree[DEPTH] = depth;
-        return depth <= 2.5 * log2(place + 1.0) + 4.0;
-    }
-    return true;
 }
 
 #endif

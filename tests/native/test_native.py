@@ -5,14 +5,17 @@ import shutil
 
 import numpy as np
 import pytest
+from replace import replace
 from yardstick import BY_NAME, EDITABLE, build, c_net, content, copy_arrays, is_linked
 
 from tetrabench.mesh.models import generate
 from tetrabench.scenarios.tetra.alfa import average
 from tetrabench.scenarios.tetra.delete import delete_from_end
 from tetrabench.scenarios.tetra.flow import diffuse
+from tetrabench.scenarios.tetra.locate import points_near_sides
 from tetrabench.tetra.edit import delete_tetra, reserve, split_many
 from tetrabench.tetra.interface import tetra_refs
+from tetrabench.tetra.locate import locate
 from tetrabench.tetra.net import TetraNet
 
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="the C yardsticks need gcc")
@@ -69,3 +72,30 @@ def test_edits(contestant, twins):
     _, skipped = split_many(ours, tetra_refs(ours)[:SPLIT])
     assert yardstick.explode(ctypes.byref(c_net(c)), refs.ctypes.data, SPLIT) == skipped
     assert content(ours) == content(c)
+
+
+def test_replace(contestant, twins, rng):
+    name, yardstick = contestant
+    if name not in EDITABLE:
+        pytest.skip("its edits have no yardstick")
+    ours, c = twins
+    rows = rng.permutation(len(tetra_refs(ours)))
+    refs, twin_refs = tetra_refs(ours)[rows], tetra_refs(c)[rows]
+    before = content(ours)
+    assert replace(ours, refs) == len(rows)
+    assert yardstick.replace(ctypes.byref(c_net(c)), twin_refs.ctypes.data, len(rows)) == len(rows)
+    assert content(ours) == content(c) != before
+
+
+def test_locate(contestant, twins, rng):
+    """Points in all tetras, and one that no tetra holds."""
+    ours, _ = twins
+    refs = rng.permutation(tetra_refs(ours))
+    points = np.concatenate([points_near_sides(ours, refs), [ours.points.xyz[0] + [0.0, 0.0, -1.0]]])
+    found = np.empty(len(points), np.int64)
+    lost = contestant[1].locate(ctypes.byref(c_net(ours)), points.ctypes.data, len(points), found.ctypes.data)
+    walked = found != -1
+    assert lost == (~walked).sum() < 0.5 * len(points)  # a walk cannot pass a hole
+    assert not walked[-1]
+    np.testing.assert_array_equal(found[walked], locate(ours, points)[0][walked])
+    np.testing.assert_array_equal(locate(ours, points)[0], [*refs, -1])

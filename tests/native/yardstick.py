@@ -1,7 +1,7 @@
 """The C yardsticks: build them, run them on the memory of a net, and compare what both leave behind.
 
-One shared library for each contestant, from the same source (`net.h`, `nearest.h`, `sweeps.c`, `edits.c`); C sees
-the arrays of the net where they are, V4's nodes included.
+One shared library for each contestant, from the same source (`net.h`, `nearest.h`, `sweeps.c`, `locate.c`, `edits.c`);
+C sees the arrays of the net where they are, V4's nodes included.
 """
 
 import ctypes
@@ -33,7 +33,7 @@ MACROS = {
 """Where the fields live, and how an iteration finds the live tetras."""
 
 EDITABLE = ("v3y", "v4", "v5y")
-"""The contestants whose delete and explode have a yardstick."""
+"""The contestants whose edits have a yardstick."""
 
 COMPILER = [
     "gcc",
@@ -48,19 +48,26 @@ _C_TYPES = {int: ctypes.c_int64, float: ctypes.c_double, ctypes.c_void_p: ctypes
 
 
 def build(name: str, folder: Path) -> ctypes.CDLL:
-    """The yardstick of a contestant: its `alfa`, `flow`, `delete_from_end` and `explode` take a `c_net`."""
+    """The yardstick of a contestant: its functions take a `c_net`, and arrays by their address."""
     here, library = Path(__file__).parent, folder / f"{name}.so"
-    sources = [here / "sweeps.c"] + ([here / "edits.c"] if name in EDITABLE else [])
+    sources = [here / "sweeps.c", here / "locate.c"] + ([here / "edits.c"] if name in EDITABLE else [])
     macros = [f"-D{macro}" for macro in MACROS[name]]
     subprocess.run([*COMPILER, *macros, *map(str, sources), "-lm", "-o", str(library)], check=True)
     yardstick = ctypes.CDLL(str(library))
-    net, integer, number, refs = ctypes.c_void_p, ctypes.c_int64, ctypes.c_double, ctypes.c_void_p
-    yardstick.alfa.argtypes, yardstick.flow.argtypes = [net, integer], [net, integer, number]
-    yardstick.alfa.restype = yardstick.flow.restype = None
+    net, array, integer, number = ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64, ctypes.c_double
+    declare(yardstick.alfa, None, net, integer)
+    declare(yardstick.flow, None, net, integer, number)
+    declare(yardstick.locate, integer, net, array, integer, array)
     if name in EDITABLE:
-        yardstick.delete_from_end.argtypes, yardstick.explode.argtypes = [net, integer], [net, refs, integer]
-        yardstick.delete_from_end.restype = yardstick.explode.restype = integer
+        declare(yardstick.delete_from_end, integer, net, integer)
+        declare(yardstick.explode, integer, net, array, integer)
+        declare(yardstick.replace, integer, net, array, integer)
     return yardstick
+
+
+def declare(function: Any, result: Any, *arguments: Any) -> None:
+    """Say what a C function takes and returns."""
+    function.restype, function.argtypes = result, arguments
 
 
 def c_net(net: Net) -> ctypes.Structure:
