@@ -11,7 +11,10 @@ KINDS = {
     "random": lambda rng: rng.random((400, 3)),
     "grid": lambda rng: np.stack(np.meshgrid(*[np.arange(6.0)] * 3), -1).reshape(-1, 3),
     "line": lambda rng: np.outer(np.linspace(0, 1, 200), [1.0, 2.0, 0.0]),
+    "sorted": lambda rng: np.sort(rng.random((300, 3)), axis=0),
+    "few values": lambda rng: rng.integers(0, 3, (300, 3)).astype(float),
     "coincident": lambda rng: np.repeat(rng.random((5, 3)), 40, axis=0),
+    "all in one place": lambda rng: np.ones((100, 3)),
     "one": lambda rng: np.array([[1.0, 2.0, 3.0]]),
 }
 
@@ -54,6 +57,50 @@ def test_insertion_keeps_it_right_and_shallow(order, rng):
     assert (tree.counters[nearest.REBUILDS] > 0) == (order == "sorted")
 
 
-def test_balanced(rng):
-    tree = build_tree(rng.random((1000, 3)))
-    assert tree.counters[nearest.DEPTH] == 10  # the least that 1000 nodes need
+@pytest.mark.parametrize("kind", sorted(KINDS))
+def test_a_built_tree_is_balanced_and_sound(kind, rng):
+    """Each point once, with its coordinates, on the right side of all above it, no deeper than so many nodes need."""
+    points = KINDS[kind](rng)
+    tree = build_tree(points)
+
+    def subtree(place, depth):
+        """The points under a node, and the longest path."""
+        if place == nearest.NOTHING:
+            return [], depth
+        node, axis = tree.nodes[place], depth % 3
+        left, left_depth = subtree(node["left"], depth + 1)
+        right, right_depth = subtree(node["right"], depth + 1)
+        assert (points[left, axis] <= node["at"][axis]).all()
+        assert (points[right, axis] >= node["at"][axis]).all()
+        assert (node["at"] == points[node["point"]]).all()
+        return [*left, node["point"], *right], max(left_depth, right_depth)
+
+    held, depth = subtree(tree.counters[nearest.ROOT], 0)
+    assert sorted(held) == list(range(len(points)))
+    assert depth == tree.counters[nearest.DEPTH] == len(points).bit_length()
+
+
+@pytest.mark.parametrize("kind", sorted(KINDS))
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_selection_parts_a_range(kind, axis, rng):
+    points = KINDS[kind](rng)
+    nodes = np.zeros(len(points), nearest.NODE)
+    low, high = len(points) // 9, len(points) - 1 - len(points) // 7
+    for middle in {low, (low + high) // 2, high}:
+        nodes["at"], nodes["point"] = points, np.arange(len(points))
+        nearest._select(nodes, low, high, middle, axis)
+        value = nodes["at"][middle, axis]
+        assert (nodes["at"][low:middle, axis] <= value).all()
+        assert (nodes["at"][middle : high + 1, axis] >= value).all()
+        assert (nodes["at"] == points[nodes["point"]]).all()
+        assert sorted(nodes["point"]) == list(range(len(points)))
+        outside = [*range(low), *range(high + 1, len(points))]
+        assert nodes["point"][outside].tolist() == outside
+
+
+def test_a_query_that_is_no_point_disturbs_no_other(rng):
+    points, queries = rng.random((400, 3)), rng.random((50, 3))
+    expected = nearest_points(build_tree(points), points, queries)
+    queries[7, 1] = np.nan
+    expected[7] = -1
+    np.testing.assert_array_equal(nearest_points(build_tree(points), points, queries), expected)
