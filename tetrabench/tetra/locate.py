@@ -146,7 +146,7 @@ def _walk_to_all(net: Net, grid: Grid, queries: Any, order: Any, box: Any, refs:
     """
     stack = make_stack()
     has_grid = len(grid.starts) > 0
-    t = NONE  # where the last walk ended
+    t: Any = NONE  # where the last walk ended
     last_x, last_y, last_z = 0.0, 0.0, 0.0
     for n in range(len(order)):
         q = order[n]
@@ -227,7 +227,8 @@ def _follow(net: Net, t: int, x: float, y: float, z: float) -> Any:
     v0 = whole - v1 - v2 - v3
     if whole < 0.0:
         whole, v0, v1, v2, v3 = -whole, -v0, -v1, -v2, -v3
-    following, least = t, -INSIDE * whole
+    following: Any = t
+    least = -INSIDE * whole
     if not v0 >= least:  # (so is what is no number)
         following, least = n0, v0
     if not v1 >= least:
