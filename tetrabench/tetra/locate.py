@@ -194,7 +194,7 @@ def _is_walk_from(net: Net, t: int, dx: float, dy: float, dz: float) -> Any:
 @kernel(allocates=False, inline=True)
 def _walk(net: Net, t: int, x: float, y: float, z: float) -> tuple[Any, Any]:
     """Walk from t towards a point: the tetra where the walk ended, and that again if it holds the point, else NONE."""
-    found = NONE
+    found: Any = NONE
     for _step in range(_LONGEST_WALK):
         following = _follow(net, t, x, y, z)
         if following == t:
