@@ -1,13 +1,15 @@
 """Decks of several files, coordinate systems, and mixed decks: what surrounds the cards that count."""
 
+import random
 from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from tests.io.fuzz_nastran import corpus, judge, mutated
 from tests.io.test_nastran import CORNERS, FREE_POINTS, FREE_TETRA, read_text
-from tetrabench.errors import InputError
+from tetrabench.errors import InputError, MemoryRefusedError, RepairableError
 from tetrabench.io.nastran import read_nastran, source, write_nastran
 from tetrabench.mesh.models import generate
 
@@ -251,3 +253,50 @@ def test_many_scattered_continuations(tmp_path: Path, rng: np.random.Generator) 
     tails = [f"*G{k},{z}\n" for k, (_, _, z) in enumerate(xyz.tolist())]
     mesh = read_text(tmp_path, "".join(heads) + FREE_TETRA + "".join(rng.permutation(tails)), unused="keep")
     np.testing.assert_array_equal(mesh.points, xyz)
+
+
+# ------------------------------ faulty tetras
+
+FAULTY = FREE_POINTS + (
+    "GRID,5,,1.,1.,1.\nGRID,6,,-1.,-1.,-1.\nGRID,7,,2.,2.,2.\n"
+    "CTETRA,1,1,1,2,3,4\nCTETRA,2,1,1,2,2,4\nCTETRA,3,1,4,3,2,1\nCTETRA,4,1,2,3,4,5\nCTETRA,5,1,2,3,4,6\n"
+)
+
+
+def test_faulty_tetras_are_refused_by_line_with_the_way_out(tmp_path: Path) -> None:
+    with pytest.raises(RepairableError) as caught:
+        read_text(tmp_path, FAULTY)
+    message = str(caught.value)
+    assert message.startswith(f"{tmp_path / 'deck.nas'}:9: CTETRA 2 repeats a node; also: 1 duplicate, 1 crowded side")
+    assert message.endswith("; --repair drop leaves them out")
+    with pytest.raises(RepairableError, match=r"deck\.nas:12: CTETRA 5 shares a side with two earlier ones"):
+        read_text(tmp_path, FAULTY.replace("1,1,2,2,4", "1,1,2,7,6").replace("3,1,4,3,2,1\n", "3,1,7,3,2,1\n"))
+
+
+def test_repair_leaves_faulty_tetras_out_and_says_so(tmp_path: Path) -> None:
+    mesh = read_text(tmp_path, FAULTY, repair="drop")
+    assert mesh.tet_ids.tolist() == [1, 4]
+    assert mesh.point_ids.tolist() == [1, 2, 3, 4, 5]
+    assert mesh.report.dropped == {"repeated node": 1, "duplicate": 1, "crowded side": 1}
+    assert any("CTETRA 2 repeats a node" in warning and "left out" in warning for warning in mesh.report.warnings)
+
+
+def test_binary_rubbish_is_refused(tmp_path: Path, rng: np.random.Generator) -> None:
+    for size in (1, 100, 10_000, 200_000):
+        with pytest.raises(InputError, match="holds no CTETRA"):
+            read_text(tmp_path, rng.integers(0, 256, size, np.uint8).tobytes())
+
+
+def test_a_deck_beyond_the_memory_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tetrabench.memory.available_bytes", lambda: 100)
+    with pytest.raises(MemoryRefusedError, match=r"reading .*deck\.nas needs about"):
+        read_text(tmp_path, FAULTY)
+
+
+def test_mutated_decks_lose_nothing(tmp_path: Path) -> None:
+    """A little of what `make fuzz` does."""
+    decks = corpus()
+    for k in range(400):
+        deck = mutated(decks, random.Random(f"tests {k}"))
+        fault = judge(deck, tmp_path)
+        assert fault is None, deck
