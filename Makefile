@@ -36,7 +36,7 @@ types: $(VENV)/developing  ## types and the direction of imports, on the package
 bench-native: $(VENV)/developing  ## our kernels beside C on the same arrays (needs gcc)
 	$(BIN)/python tests/native/bench_native.py
 
-bench-peers: $(VENV)/peers  ## our bulk operations beside packages from PyPI (half an hour; gmsh needs some system libraries)
+bench-peers: $(VENV)/peers  ## our bulk operations beside packages from PyPI (a quarter of an hour; gmsh needs some system libraries)
 	@mkdir -p $(OUT)
 	$(BIN)/python tests/peers/bench_peers.py -o $(OUT)/peers.json
 

@@ -225,6 +225,8 @@ def main() -> int:
         wanted = rows_of(set(filter(None, options.only.split(","))))
     except ValueError as error:
         parser.error(str(error))
+    if min(options.tets, options.queries) < 100:
+        parser.error("--tets and --queries take numbers from 100")
     if options.output and not options.output.parent.is_dir():
         parser.error(f"there is no folder {options.output.parent}")
 

@@ -17,7 +17,7 @@ from peers import MODULES, MissingPeerError, load_peer
 
 from tetrabench.bench.clock import Clocks
 
-SMALL = ["--tets", "600", "--queries", "50", "--turns", "6"]
+SMALL = ["--tets", "600", "--queries", "100", "--turns", "6"]
 
 
 def bench(*words, **more):
@@ -47,6 +47,7 @@ def test_all_rows_from_answers_to_json(tmp_path):
         (["--turns", "5"], "a number from 6"),
         (["--turns", "nobody=7"], "not 'nobody=7'"),
         (["--only", "sides,sidse"], "not sidse"),
+        (["--queries", "0"], "take numbers from 100"),
         (["-o", "nowhere/at/all.json"], "there is no folder nowhere/at"),
     ],
 )
