@@ -7,7 +7,7 @@ from tests.tetra.retained import ROLLUP, in_fresh_process
 
 
 @pytest.mark.skipif(not ROLLUP.is_file(), reason="the system does not say how much memory is private")
-@pytest.mark.skipif(config.DISABLE_JIT, reason="a net of this size takes minutes without the JIT")
+@pytest.mark.skipif(bool(config.DISABLE_JIT), reason="a net of this size takes minutes without the JIT")
 @pytest.mark.parametrize("name", ["v3y", "v5y"])
 def test_a_net_keeps_what_its_buffers_take(name):
     parts = in_fresh_process(name, 100_000)
