@@ -1,7 +1,7 @@
 """locate: find the tetra of a point close to each side 0, three ways: a walk, as the source did it, by brute force.
 
 The points are the hard case for a search that begins at the nearest point: 0.5 % of the way from the centre of side 0 to
-the vertex opposite it. Thesis, 4.6.5.
+the vertex opposite it. They come in the order of the tetras, or at random. Thesis, 4.6.5.
 """
 
 from typing import Any, ClassVar, NamedTuple
@@ -29,22 +29,23 @@ class Search(NamedTuple):
 
 
 class Locate(TetraScenario):
-    """One point in every tetra, found by walking from the nearest point of the net."""
+    """One point in every tetra, found by walking from one to the next along a curve."""
 
     name = "locate"
-    title = "find the tetra of one point in every tetra: search tree, then a walk"
+    title = "find the tetra of one point in every tetra: put in order, then walk from one to the next"
     method: ClassVar[str] = "walk"
-    options = thesis = {"every_nth_tetra": 1}
+    options = thesis = {"every_nth_tetra": 1, "shuffled": 0}
 
     def prepare(self, stage: Any, options: Options) -> Search:
-        """The points, in iteration order."""
+        """The points, in iteration order or, `shuffled`, in a random one."""
         net = stage.net()
         refs = self.choose(net.refs, options)
         return Search(net, points_near_sides(net.storage, refs), self.method, refs)
 
     def choose(self, refs: NDArray[np.int64], options: Options) -> NDArray[np.int64]:
         """The tetras to look for."""
-        return refs[:: options["every_nth_tetra"]].copy()
+        refs = refs[:: options["every_nth_tetra"]]
+        return np.random.default_rng(0).permutation(refs) if options["shuffled"] else refs.copy()
 
     def run(self, search: Search) -> NDArray[np.int64]:
         """Find them all."""

@@ -186,6 +186,17 @@ def test_locate_finds_the_tetra_it_was_made_in(model):
         assert answer.figures == {"found": work.items, "missed": 0}
 
 
+def test_shuffled_points_are_the_same_points(model):
+    scenario = registry.scenario("tetra", "locate")
+    stage = FAMILY.stage(registry.contestant("tetra", "v3y"), model, chained=False)
+    search, shuffled = (scenario.prepare(stage, {**scenario.options, "shuffled": flag}) for flag in (0, 1))
+    order = np.argsort(shuffled.refs)
+    assert (order != np.arange(len(order))).any()
+    np.testing.assert_array_equal(shuffled.refs[order], search.refs)
+    np.testing.assert_array_equal(shuffled.points[order], search.points)
+    np.testing.assert_array_equal(scenario.run(shuffled), shuffled.refs)
+
+
 def test_write_keeps_the_tetras(model, tmp_path):
     stage = FAMILY.stage(registry.contestant("tetra", "v4"), model, chained=False)
     answer, _ = sample(registry.scenario("tetra", "write"), stage)

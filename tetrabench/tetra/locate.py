@@ -68,6 +68,7 @@ class Grid(NamedTuple):
     refs: NDArray[np.int64]
 
 
+EVERYWHERE = np.array([[-np.inf] * 3, [np.inf] * 3])
 NO_GRID = Grid(np.empty(0), np.empty(0), np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0, np.int64))
 
 
@@ -115,10 +116,9 @@ def _way_through(net: Net, queries: NDArray[np.float64]) -> tuple[NDArray[np.uin
     Of few queries the order is their own, and the box is not looked for.
     """
     rows = np.arange(len(queries), dtype=np.uint64)
-    box = np.array([[-np.inf] * 3, [np.inf] * 3])
-    if len(queries) < max(_MANY, _MANY_A_POINT * net.points.counters[COUNT]):
-        return rows, box
-    pulled_in = np.empty_like(queries)
+    if len(queries) < _MANY or len(queries) < _MANY_A_POINT * net.points.counters[COUNT]:
+        return rows, EVERYWHERE
+    box, pulled_in = np.empty((2, 3)), np.empty_like(queries)
     _pull_in(net, queries, box, pulled_in)
     keys = hilbert_keys(pulled_in, _BITS) << np.uint64(32) | rows  # (sorted in half the time that argsort takes)
     return np.sort(keys) & np.uint64(2**32 - 1), box
