@@ -184,7 +184,7 @@ def _notes(results: Results, rows: list[Row]) -> Iterator[str]:
         yield f"{backend}, {verdict} in {', '.join(scenarios)}: {reason}"
     yield (
         f"Figures: CPU time, times that of {results.reference} (less is better). ~ is within 25 % of it. "
-        f"too short: both under {duration(SHORTEST_S)}, says nothing. unclear: rounds contradict each other."
+        f"too short: both under {duration(SHORTEST_S)}, says nothing. unclear: rounds contradict each other, or are too few."
     )
     if items := _items(results):
         yield f"An item is {items}."
