@@ -139,6 +139,18 @@ def test_the_window_changes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPa
         read_nastran(path)
 
 
+def test_numbers_of_any_length(tmp_path: Path) -> None:
+    texts = [
+        "0." + "1234567890" * 30,
+        "0" * 5000 + "1.5-1",
+        "1." + "0" * 40_000 + "D+2",
+        "-.1234567890123456789012345678",
+    ]
+    deck = "".join(f"GRID,{k},,{text},0.,0.\n" for k, text in enumerate(texts, start=11)) + FREE_POINTS + FREE_TETRA
+    mesh = read_text(tmp_path, deck, unused="keep")
+    assert mesh.points[:4, 0].tolist() == [float(texts[0]), 0.15, 100.0, float(texts[3])]
+
+
 # ------------------------------ coordinate systems
 
 TURNED = "CORD2R,7,,1.,2.,3.,1.,2.,4.,+\n+,1.,3.,3.\n"  # x is the basic y, y the basic -x

@@ -50,6 +50,7 @@ from tetrabench.mesh.tetra_mesh import MeshReport, TetraMesh
 MOST_FILES = 10_000
 DEEPEST = 50  # files within files
 PEAK = 2.0  # bytes of memory that a byte of a file takes: measured 0.8 (large field) to 1.8 (free field)
+NUMBER_BYTES = 32  # of a number as it is usually written
 CARD_BYTES = 40  # a usual card has more; the deck grows where they have fewer
 
 
@@ -160,11 +161,14 @@ class _Deck:
         deck, state = self.deck, self.deck.state
         hard = deck.hard[: state[scanning.HARD]]
         state[scanning.HARD] = 0
-        longest = int((hard[:, 2] - hard[:, 1]).max(initial=0)) + 1  # an `e` may be put in
-        spelled = np.zeros((len(hard), longest), np.uint8)
-        spell(window.text, window.base, hard, spelled)
+        short = hard[:, 2] - hard[:, 1] < NUMBER_BYTES  # an `e` may be put in
+        spelled = np.zeros((np.count_nonzero(short), NUMBER_BYTES), np.uint8)
+        spell(window.text, window.base, hard[short], spelled)
+        values = np.empty(len(hard))
         with np.errstate(over="ignore"):
-            values = spelled.view(f"S{longest}").ravel().astype(np.float64)
+            values[short] = spelled.view(f"S{NUMBER_BYTES}").ravel().astype(np.float64)
+        for row in np.flatnonzero(~short):
+            values[row] = float(spelled_number(self.words(*hard[row, 1:].tolist())))
         deck.points.reshape(-1)[hard[:, 0]] = values
         for row in np.flatnonzero(~np.isfinite(values))[:1]:
             begin, end = hard[row, 1:].tolist()
