@@ -48,7 +48,7 @@ _MANY, _MANY_A_POINT = 500, 0.01
 """How many queries, and how many for each point of the net, are worth the time to put them in order."""
 
 _BITS = 10  # an axis: a key then leaves room in a word for the row
-_LONGEST_WALK = 500
+_LONGEST_WALK = 500  # steps; where the net is not Delaunay, a walk may go round in a circle
 _TETRAS_A_CELL = 4.0
 _FLATTEST = 1e-3
 
@@ -68,7 +68,7 @@ class Grid(NamedTuple):
     refs: NDArray[np.int64]
 
 
-EVERYWHERE = np.array([[-np.inf] * 3, [np.inf] * 3])
+EVERYWHERE = np.array([[-1.0] * 3, [1.0] * 3]) * np.finfo(np.float64).max
 NO_GRID = Grid(np.empty(0), np.empty(0), np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0, np.int64))
 
 
@@ -146,7 +146,7 @@ def _walk_to_all(net: Net, grid: Grid, queries: Any, order: Any, box: Any, refs:
     """
     stack = make_stack()
     has_grid = len(grid.starts) > 0
-    t = NONE  # where the last walk ended
+    t: Any = NONE  # where the last walk ended
     last_x, last_y, last_z = 0.0, 0.0, 0.0
     for n in range(len(order)):
         q = order[n]
@@ -154,7 +154,7 @@ def _walk_to_all(net: Net, grid: Grid, queries: Any, order: Any, box: Any, refs:
         refs[q] = NONE
         if not _is_in_box(box, x, y, z):
             continue
-        found = NONE
+        found: Any = NONE
         if t != NONE and _is_walk_from(net, t, x - last_x, y - last_y, z - last_z):
             t, found = _walk(net, t, x, y, z)
         if found == NONE and has_grid:
@@ -194,7 +194,7 @@ def _is_walk_from(net: Net, t: int, dx: float, dy: float, dz: float) -> Any:
 @kernel(allocates=False, inline=True)
 def _walk(net: Net, t: int, x: float, y: float, z: float) -> tuple[Any, Any]:
     """Walk from t towards a point: the tetra where the walk ended, and that again if it holds the point, else NONE."""
-    found = NONE
+    found: Any = NONE
     for _step in range(_LONGEST_WALK):
         following = _follow(net, t, x, y, z)
         if following == t:
@@ -227,7 +227,8 @@ def _follow(net: Net, t: int, x: float, y: float, z: float) -> Any:
     v0 = whole - v1 - v2 - v3
     if whole < 0.0:
         whole, v0, v1, v2, v3 = -whole, -v0, -v1, -v2, -v3
-    following, least = t, -INSIDE * whole
+    following: Any = t
+    least = -INSIDE * whole
     if not v0 >= least:  # (so is what is no number)
         following, least = n0, v0
     if not v1 >= least:
