@@ -48,7 +48,7 @@ _MANY, _MANY_A_POINT = 500, 0.01
 """How many queries, and how many for each point of the net, are worth the time to put them in order."""
 
 _BITS = 10  # an axis: a key then leaves room in a word for the row
-_LONGEST_WALK = 500
+_LONGEST_WALK = 500  # steps; where the net is not Delaunay, a walk may go round in a circle
 _TETRAS_A_CELL = 4.0
 _FLATTEST = 1e-3
 
@@ -68,7 +68,7 @@ class Grid(NamedTuple):
     refs: NDArray[np.int64]
 
 
-EVERYWHERE = np.array([[-np.inf] * 3, [np.inf] * 3])
+EVERYWHERE = np.array([[-1.0] * 3, [1.0] * 3]) * np.finfo(np.float64).max
 NO_GRID = Grid(np.empty(0), np.empty(0), np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0, np.int64))
 
 
@@ -154,7 +154,7 @@ def _walk_to_all(net: Net, grid: Grid, queries: Any, order: Any, box: Any, refs:
         refs[q] = NONE
         if not _is_in_box(box, x, y, z):
             continue
-        found = NONE
+        found: Any = NONE
         if t != NONE and _is_walk_from(net, t, x - last_x, y - last_y, z - last_z):
             t, found = _walk(net, t, x, y, z)
         if found == NONE and has_grid:
