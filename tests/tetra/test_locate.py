@@ -212,9 +212,10 @@ def test_parts_that_do_not_touch(method):
 def test_as_far_as_numbers_go():
     """Extents that no float holds: no crash, and who is outside is outside."""
     net = build("v3y", single())
-    left, right = net.insert_point(-1.7e308, 0.0, 0.0), net.insert_point(1.7e308, 1.0, 1.0)
-    net.insert(1, 2, 3, right)
-    net.insert(0, 2, 3, left)
+    with np.errstate(over="ignore", invalid="ignore"):
+        left, right = net.insert_point(-1.7e308, 0.0, 0.0), net.insert_point(1.7e308, 1.0, 1.0)
+        net.insert(1, 2, 3, right)
+        net.insert(0, 2, 3, left)
     points = np.array([[0.1, 0.1, 0.1], [-1e308, -1e308, 0.0], [0.0, -1.0, 0.0], [np.nan, 0.0, 0.0]])
     for times in (1, 500):
         assert (net.locate(np.tile(points, (times, 1))) == -1).tolist() == [False, True, True, True] * times
