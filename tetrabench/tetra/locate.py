@@ -47,6 +47,7 @@ _NEAR = 4.0
 _MANY, _MANY_A_POINT = 500, 0.01
 """How many queries, and how many for each point of the net, are worth the time to put them in order."""
 
+_X, _Y, _Z = np.int64(0), np.int64(1), np.int64(2)  # (a plain number would make numba compile a kernel for each)
 _BITS = 10  # an axis: a key then leaves room in a word for the row
 _LONGEST_WALK = 500  # steps; where the net is not Delaunay, a walk may go round in a circle
 _TETRAS_A_CELL = 4.0
@@ -270,13 +271,13 @@ def is_inside(net: Net, t: int, x: float, y: float, z: float) -> bool:
 @kernel(allocates=False, inline=True)
 def _is_about(net: Net, t: int, x: float, y: float, z: float) -> Any:
     """Whether a point lies in the bounding box of t: what most tetras fail in, when many are asked."""
-    low, high = _extent(net, t, 0)
+    low, high = _extent(net, t, _X)
     within = low <= x and x <= high
     if within:
-        low, high = _extent(net, t, 1)
+        low, high = _extent(net, t, _Y)
         within = low <= y and y <= high
     if within:
-        low, high = _extent(net, t, 2)
+        low, high = _extent(net, t, _Z)
         within = low <= z and z <= high
     return within
 
@@ -383,9 +384,9 @@ def _enter(net: Net, grid: Grid, count: bool) -> None:
     """Count the tetras of each cell in `starts`, or fill `refs`, moving `starts`."""
     cursor = first_tetra(net)
     while cursor.tetra != NONE:
-        first_x, last_x = _cells(net, grid, cursor.tetra, 0)
-        first_y, last_y = _cells(net, grid, cursor.tetra, 1)
-        first_z, last_z = _cells(net, grid, cursor.tetra, 2)
+        first_x, last_x = _cells(net, grid, cursor.tetra, _X)
+        first_y, last_y = _cells(net, grid, cursor.tetra, _Y)
+        first_z, last_z = _cells(net, grid, cursor.tetra, _Z)
         for a in range(first_x, last_x + 1):
             for b in range(first_y, last_y + 1):
                 row = (a * grid.shape[1] + b) * grid.shape[2]
