@@ -1,5 +1,6 @@
 """README.md says what is true: its table is that of the committed run, and its examples run."""
 
+import json
 import re
 import sys
 from pathlib import Path
@@ -23,6 +24,14 @@ sys.path.pop(0)
 @pytest.mark.parametrize("name", regenerate.RUNS)
 def test_the_table_is_that_of_the_committed_run(name):
     assert regenerate.shown(name) == regenerate.table(name)
+
+
+def test_the_peers_are_those_of_the_committed_run():
+    page = (ROOT / "results" / "README.md").read_text()
+    for row in json.loads((ROOT / "results" / "peers-623k.json").read_text())["rows"]:
+        times = f"{1e3 * row['ours_s']:.1f} | {1e3 * row['peer_s']:.1f} | {row['ratio']:.3f}"
+        interval = f"[{row['low']:.3f}, {row['high']:.3f}]"
+        assert f"| {row['operation']} | {row['numbering']} | {row['peer']} | {times} | {interval} |" in page
 
 
 @pytest.mark.parametrize("page", [ROOT / "README.md", ROOT / "results" / "README.md"])

@@ -183,7 +183,7 @@ def measure_locate(name: str, mesh: TetraMesh, yardstick: ctypes.CDLL, turns: in
         found[:] = NONE
         side()
         assert np.array_equal(found, refs), f"{name}: not all points were found in their tetra"
-    pairs = in_turn(turns, ours, c)
+    pairs = list(in_turn(turns, ours, c))
     net.close()
     return pairs
 
