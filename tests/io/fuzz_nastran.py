@@ -33,7 +33,7 @@ TOKENS = [
     *("=", "*(1)", " ", "        ", "1.5-3", "1.+2", "1.0D+3", "1.+999", "-.25", "1e400", "NaN", "inf", ".", "-", "E"),
     *("0", "-1", "1", "4", "99999999", "9" * 19, "9" * 40, "1.", "\x00", "\xff", "\xe4", "'", '"', "x" * 80, "0" * 400),
 ]
-CARD = re.compile(rb"^[\x01-\x08\x0b-\x20]*CTETRA(?=[\x00-\x20,*]|\Z)", re.IGNORECASE)
+CARD = re.compile(rb"^[\x00-\x08\x0b-\x20]*CTETRA(?=[\x00-\x20,*]|\Z)", re.IGNORECASE)
 END = re.compile(
     rb"^[\x00-\x20]*(ENDDATA(?=[\x00-\x20,*]|\Z)|END[\x00-\x09\x0b-\x20]+BULK(?=[\x00-\x20,*]|\Z))", re.IGNORECASE
 )
