@@ -341,6 +341,13 @@ def test_fields_of_full_width_touch(tmp_path: Path) -> None:
     assert mesh.points[0].tolist() == [-1.23456, 7.123456, 1.234e-12]
 
 
+@pytest.mark.parametrize("spelled", ["1.5-3", "1.5D-3", "1.5   E -3", "1.5 e  -3", "1.5  -3", "1.5e3", "1.5   E 3"])
+def test_number_of_any_length_is_spelled_in_any_way(tmp_path: Path, spelled: str) -> None:
+    long = spelled.replace("1.5", "1.5" + 40 * "0").replace("3", 40 * "0" + "3")  # found by fuzzing
+    mesh = read_text(tmp_path, FREE_POINTS.replace("GRID,2,,1.", f"GRID,2,,{long}") + FREE_TETRA)
+    assert mesh.points[1, 0] == (1.5e-3 if "-" in spelled else 1.5e3)
+
+
 def test_parse_integer_takes_digits_alone() -> None:
     for text, number in {"": -1, "12": 12, "+1": 1, "+": -1, "9" * 18: 10**18 - 1, "1" * 19: -1, "1e2": -1}.items():
         assert parse_integer(np.frombuffer(f"x{text}x".encode(), np.uint8).copy(), 1, 1 + len(text)) == number

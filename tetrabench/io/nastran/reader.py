@@ -51,6 +51,7 @@ MOST_FILES = 10_000
 DEEPEST = 50  # files within files
 PEAK = 2.0  # bytes of memory that a byte of a file takes: measured 0.8 (large field) to 1.8 (free field)
 NUMBER_BYTES = 32  # of a number as it is usually written
+EXPONENT = re.compile(r"(?<=[\d.])\s*(?:e\s*([+-]?)|([+-]))(?=\d)")
 CARD_BYTES = 40  # a usual card has more; the deck grows where they have fewer
 
 
@@ -396,8 +397,8 @@ def find_included(name: str, folders: list[Path]) -> Path | None:
 
 
 def spelled_number(words: str) -> str:
-    """A number as Python spells it: 1.5-3 and 1.5D-3 mean 1.5e-3."""
-    return re.sub(r"(?<=[\d.])\s*e?\s*([+-])", r"e\1", words.strip().lower().replace("d", "e"))
+    """A number as Python spells it: 1.5-3, 1.5D-3 and 1.5 E -3 mean 1.5e-3."""
+    return EXPONENT.sub(r"e\1\2", words.strip().lower().replace("d", "e"))
 
 
 @kernel
