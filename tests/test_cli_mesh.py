@@ -87,7 +87,7 @@ def test_more_memory_than_there_is_is_6(faulty: Path, monkeypatch: pytest.Monkey
 
 def test_what_takes_long_says_what_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     write_mesh(apart(), tmp_path / "a.vtu")
-    monkeypatch.setattr("tetrabench.cli.PATIENCE", 0.05)
+    monkeypatch.setattr("tetrabench.cli.speech.PATIENCE", 0.05)
 
     def slow_read(*words: object, **options: str) -> object:
         time.sleep(0.5)

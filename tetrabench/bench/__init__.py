@@ -2,14 +2,13 @@
 
 from tetrabench.bench.benchmark import exit_code, run, run_benchmark
 from tetrabench.bench.frame import load_results
-from tetrabench.bench.plan import DEFAULT, QUICK, Effort, Plan, Task, make_plan
+from tetrabench.bench.plan import EFFORTS, Plan, make_plan
 from tetrabench.bench.progress import Progress, Silence
-from tetrabench.bench.record import Backend, Results, Sample, read_results, save_results
+from tetrabench.bench.record import Backend, Effort, Results, Sample, Task, read_results, save_results
 from tetrabench.bench.statistics import Row, summary
 
 __all__ = [
-    "DEFAULT",
-    "QUICK",
+    "EFFORTS",
     "Backend",
     "Effort",
     "Plan",

@@ -1,17 +1,24 @@
 """What the parent and a worker say to each other: one request, one reply, a line of JSON each.
 
-The order is Open, Warm for each scenario, Load, Measure again and again; the end of the pipe means close.
+The order is Open, Warm for each task, Load, Measure again and again; or Open, Weigh; or Yardsticks alone. The end of
+the pipe means close.
 """
 
 import msgspec
+
+from tetrabench.bench.record import Yardsticks
+
+PROTOCOL = 1
+"""Of all this; the two ends may be different versions of tetrabench when one gate compares them."""
 
 
 class Open(msgspec.Struct, frozen=True, tag=True):
     """Import the contestant and its family. `chained`: one net for all scenarios. Reply: Done."""
 
     family: str
-    backend: str
-    chained: bool
+    contestant: str
+    chained: bool = False
+    protocol: int = PROTOCOL
 
 
 class Warm(msgspec.Struct, frozen=True, tag=True):
@@ -28,10 +35,21 @@ class Load(msgspec.Struct, frozen=True, tag=True):
 
 
 class Measure(msgspec.Struct, frozen=True, tag=True):
-    """Take one sample. Reply: Measured."""
+    """Take one sample: run the scenario so often, each time on a fresh subject. Reply: Measured."""
 
     scenario: str
     options: dict[str, int]
+    repeats: int = 1
+
+
+class Weigh(msgspec.Struct, frozen=True, tag=True):
+    """Build the structure of a model, a path, and say what memory that takes. Reply: Weighed."""
+
+    model: str
+
+
+class Gauge(msgspec.Struct, frozen=True, tag=True):
+    """Measure what the machine can do. Reply: Gauged."""
 
 
 class Done(msgspec.Struct, frozen=True, tag=True):
@@ -49,12 +67,14 @@ class Loaded(msgspec.Struct, frozen=True, tag=True):
 
 
 class Measured(msgspec.Struct, frozen=True, tag=True, kw_only=True):
-    """A sample's raw figures, as in `record.Sample`; `prepare_s` is the wall time of its preparation."""
+    """A sample's raw figures, as in `record.Sample`."""
 
+    repeats: int
     prepare_s: float
     cpu_s: float
     process_cpu_s: float
     wall_s: float
+    answer_s: float
     peak_bytes: int | None
     structure: dict[str, tuple[int, int]]
     digest: str
@@ -64,6 +84,20 @@ class Measured(msgspec.Struct, frozen=True, tag=True, kw_only=True):
     least_bytes: int | None
 
 
+class Weighed(msgspec.Struct, frozen=True, tag=True, kw_only=True):
+    """Figures as in `record.Memory`."""
+
+    structure: dict[str, tuple[int, int]]
+    retained_bytes: int | None
+    peak_bytes: int | None
+
+
+class Gauged(msgspec.Struct, frozen=True, tag=True):
+    """What the machine can do."""
+
+    yardsticks: Yardsticks
+
+
 class Skipped(msgspec.Struct, frozen=True, tag=True):
     """The contestant cannot run this scenario, and why. Reply to Warm and Measure."""
 
@@ -71,14 +105,18 @@ class Skipped(msgspec.Struct, frozen=True, tag=True):
 
 
 class Failed(msgspec.Struct, frozen=True, tag=True):
-    """An exception ended the request; the worker goes on. `exit_code`: of an error that the user can mend, else 0."""
+    """An exception ended the request; the worker goes on.
+
+    `exit_code`: of an error that the user can mend, else 0. `oom`: there was not enough memory.
+    """
 
     reason: str
     exit_code: int = 0
+    oom: bool = False
 
 
-Request = Open | Warm | Load | Measure
-Reply = Done | Loaded | Measured | Skipped | Failed
+Request = Open | Warm | Load | Measure | Weigh | Gauge
+Reply = Done | Loaded | Measured | Weighed | Gauged | Skipped | Failed
 
 
 def encode(message: Request | Reply) -> bytes:

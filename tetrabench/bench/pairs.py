@@ -44,18 +44,23 @@ def paired_ratio(ours: Sequence[float], theirs: Sequence[float]) -> Ratio:
     return Ratio(float(np.median(ratios)), float(ratios[rank]), float(ratios[-1 - rank]))
 
 
-def interval_rank(n: int) -> int:
-    """The largest k, from 0, for which the k-th smallest and the k-th largest of n hold the median with CONFIDENCE.
+def interval_rank(n: int, confidence: float = CONFIDENCE) -> int:
+    """The largest k, from 0, for which the k-th smallest and the k-th largest of n hold the median with `confidence`.
 
     Raises:
-        ValueError: n is less than FEWEST.
+        ValueError: n is less than `fewest_for` it.
     """
     tail, rank = 0.0, -1
     for k in range(n // 2):
         tail += math.comb(n, k) / 2**n
-        if tail > (1 - CONFIDENCE) / 2:
+        if tail > (1 - confidence) / 2:
             break
         rank = k
     if rank < 0:
-        raise ValueError(f"an interval needs {FEWEST} pairs at least, not {n}")
+        raise ValueError(f"an interval needs {fewest_for(confidence)} values at least, not {n}")
     return rank
+
+
+def fewest_for(confidence: float) -> int:
+    """How many values it takes until their range holds the median with `confidence`."""
+    return math.ceil(1 - math.log2(1 - confidence))

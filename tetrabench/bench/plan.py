@@ -1,36 +1,32 @@
-"""What a run will do: which contestants run which scenarios on which model, how often, and in which order."""
+"""What a run will do: which contestants do which tasks on which models, how often, and in which order."""
 
 import random
+import re
 import shlex
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import product
 from pathlib import Path
 
+import msgspec
+
 from tetrabench import registry
-from tetrabench.bench.record import Backend
+from tetrabench.bench.record import Backend, Effort, Model, Task
+from tetrabench.bench.statistics import fewest_launches
 from tetrabench.errors import InputError
-from tetrabench.protocols import Family, Scenario
+from tetrabench.protocols import Contestant, Family, Scenario
 
+EFFORTS = {
+    "default": Effort(launches=8, rounds=3, hopeless_rounds=3, narrow=0.03),
+    "quick": Effort(launches=3, rounds=3, hopeless_rounds=1),
+    "rigorous": Effort(launches=12, rounds=5, hopeless_rounds=3, narrow=0.03),
+    "thesis": Effort(launches=1, rounds=1, hopeless_rounds=1),  # one net that changes as it goes: nothing is repeated
+    "check": Effort(launches=1, rounds=1, hopeless_rounds=1),
+}
+"""By profile. Many launches of few rounds rather than the reverse: see `statistics`."""
 
-@dataclass(frozen=True)
-class Effort:
-    """How often. A contestant that the first round shows to be hopeless gets `hopeless_rounds` in all."""
-
-    rounds: int
-    hopeless_rounds: int
-
-
-DEFAULT = Effort(rounds=5, hopeless_rounds=3)
-QUICK = Effort(rounds=3, hopeless_rounds=1)
-ONCE = Effort(rounds=1, hopeless_rounds=1)  # on one net that changes as it goes, nothing can be repeated
-
-
-@dataclass(frozen=True)
-class Task:
-    """A scenario with its counts."""
-
-    scenario: str
-    options: dict[str, int]
+CONTROL = "control"
+"""What the name of a second copy of a reference ends with, after a blank."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,33 +34,46 @@ class Plan:
     """A run to be made.
 
     Attributes:
-        model: how it was asked for, without its folder; path: its file.
-        chained: all scenarios on one net that changes as it goes (the thesis profile).
-        threads: how many a worker may use; all workers share one core where it is 1.
+        models: name -> file.
+        backends: with the controls; in the order of tables and charts.
+        checkouts: folder of the packages that a backend's worker imports first, by `Backend.checkout`.
+        threads: how many a worker may use; those of serial tasks share one core.
+        timeout_s: longest wait for a worker's reply; budget_s: no launch begins that would end later. None: no limit.
+        has_memory, has_yardsticks: whether memory and the machine are measured too.
         command: how to repeat the run.
     """
 
     family: str
-    model: str
-    path: Path
+    models: Mapping[str, Path]
     tasks: tuple[Task, ...]
     backends: tuple[Backend, ...]
     reference: str
-    effort: Effort = DEFAULT
-    chained: bool = False
+    profile: str = "default"
+    effort: Effort = EFFORTS["default"]
     seed: int = 0
     threads: int = 1
+    timeout_s: float | None = None
+    budget_s: float | None = None
+    has_memory: bool = True
+    has_yardsticks: bool = True
     command: str = ""
+    checkouts: Mapping[str, Path] = field(default_factory=dict)
 
-    def orders(self, task: Task) -> Iterator[list[str]]:
-        """The names of the backends in the order of their turns, round after round."""
-        draw = random.Random(f"{self.seed} {task.scenario}")
-        names = [backend.name for backend in self.backends]
+    @property
+    def chained(self) -> bool:
+        """All scenarios on one net that changes as it goes."""
+        return self.profile == "thesis"
+
+    def orders(self, model: str, task: Task, launch: int, names: Sequence[str]) -> Iterator[list[str]]:
+        """The names of a group's backends in the order of their turns, round after round of a launch.
+
+        One Latin square goes through all launches, so that each has each place equally often.
+        """
         for round in range(self.effort.rounds):
-            row = round % len(names)
-            if row == 0:  # a new square
-                draw.shuffle(names)
-            yield williams_row(names, row)
+            block, row = divmod(launch * self.effort.rounds + round, max(1, len(names)))
+            shuffled = list(names)
+            random.Random(f"{self.seed} {model} {task.name} {block}").shuffle(shuffled)
+            yield williams_row(shuffled, row)
 
 
 def williams_row(names: Sequence[str], row: int) -> list[str]:
@@ -85,29 +94,33 @@ def make_plan(
     backends: Sequence[str] | None = None,
     scenarios: Sequence[str] | None = None,
     reference: str | None = None,
-    thesis: bool = False,
-    quick: bool = False,
+    profile: str = "default",
+    launches: int | None = None,
     rounds: int | None = None,
-    tets: int | None = None,
+    tets: Sequence[int] | None = None,
+    options: Mapping[str, Sequence[int]] | None = None,
     numbering: str = "natural",
     seed: int = 0,
+    budget_s: float | None = None,
+    timeout_s: float | None = None,
 ) -> Plan:
-    """Look up what is asked for by name; generate the model if it is one of the family's.
+    """Look up what is asked for by name; find the model, or have it generated.
 
     Args:
         model: a file, or the name of a model that the family can generate.
         backends: all if None; the first one is the reference where the family's is not among them.
-        scenarios: all if None, or with `thesis` those of the source, in its order.
-        thesis: the source's counts too, once, on one net that changes as it goes.
+        scenarios: all if None, or with the thesis profile those of the source, in its order.
         reference: the backend that ratios refer to.
-        quick: 3 rounds instead of 5.
-        rounds: so many instead.
-        tets: size of a generated model, in elements.
+        profile: of EFFORTS; "thesis" takes the source's counts, once, on one net that changes as it goes.
+        launches, rounds: so many instead of the profile's.
+        tets: sizes of a generated model, in elements; several make a sweep.
+        options: counts of scenarios by name, "sweeps" or "alfa.sweeps"; several values make a sweep.
         numbering: of a generated model: "natural", "shuffled", "hilbert" or "rcm".
         seed: of a generated model, and of the order of turns.
+        budget_s, timeout_s: see `Plan`.
 
     Raises:
-        InputError: unknown names, a model that is not there, rounds below 1, or more than one with `thesis`.
+        InputError: unknown names, a model that is not there, a count below 1, more than one round with the thesis.
     """
     kind = registry.family(family)
     chosen = registry.contestants(family)
@@ -118,35 +131,110 @@ def make_plan(
         reference = kind.reference if kind.reference in names else next(iter(names), "")
     if reference not in names:
         raise InputError(f"the reference '{reference}' is not among the backends: {', '.join(names) or 'none'}")
-    tasks = tuple(
-        Task(scenario.name, dict(scenario.thesis if thesis else scenario.options))
-        for scenario in _choose_scenarios(kind, scenarios, thesis)
-    )
+    thesis = profile == "thesis"
     asked = Path(model).name
+    command = _command(
+        asked,
+        "check" if profile == "check" else "run",
+        family=family if family != "tetra" else None,
+        backend=backends,
+        scenario=scenarios,
+        reference=reference if reference != kind.reference else None,
+        thesis=thesis,
+        quick=profile == "quick",
+        rigorous=profile == "rigorous",
+        launches=launches,
+        rounds=rounds,
+        tets=tets,
+        option=[f"{name}={','.join(map(str, values))}" for name, values in (options or {}).items()],
+        numbering=numbering if numbering != "natural" else None,
+        seed=seed or None,
+        budget=f"{budget_s:g}" if budget_s is not None else None,
+        timeout=f"{timeout_s:g}" if timeout_s is not None else None,
+    )
     return Plan(
         family=family,
-        model=asked,
-        path=kind.find_model(str(model), size=tets, numbering=numbering, seed=seed).absolute(),
-        tasks=tasks,
-        backends=tuple(Backend(name=one.name, title=one.title, extension=one.extension) for one in chosen),
+        models={
+            asked if size is None or len(tets or ()) < 2 else f"{asked}-{size}": kind.find_model(
+                str(model), size=size, numbering=numbering, seed=seed
+            ).absolute()
+            for size in (dict.fromkeys(tets) if tets else [None])
+        },
+        tasks=tuple(make_tasks(_choose_scenarios(kind, scenarios, thesis), options or {}, thesis=thesis)),
+        backends=seat(chosen, reference, has_control=profile in ("default", "quick", "rigorous")),
         reference=reference,
-        effort=_choose_effort(thesis, quick, rounds),
-        chained=thesis,
+        profile=profile,
+        effort=_choose_effort(profile, launches, rounds, len(chosen) - 1),
         seed=seed,
-        command=_command(
-            asked,
-            family=family if family != "tetra" else None,
-            backend=backends,
-            scenario=scenarios,
-            reference=reference if reference != kind.reference else None,
-            thesis=thesis,
-            quick=quick,
-            rounds=rounds,
-            tets=tets,
-            numbering=numbering if numbering != "natural" else None,
-            seed=seed or None,
-        ),
+        budget_s=budget_s,
+        timeout_s=timeout_s,
+        has_memory=not thesis and profile != "check",
+        has_yardsticks=profile != "check",
+        command=command,
     )
+
+
+def seat(chosen: Sequence[Contestant], reference: str, *, has_control: bool) -> tuple[Backend, ...]:
+    """The contestants as backends of a run, the reference's control last."""
+    backends = [
+        Backend(name=one.name, contestant=one.name, title=one.title, against=reference, extension=one.extension)
+        for one in chosen
+    ]
+    if has_control:
+        backends += [control_of(backend) for backend in backends if backend.name == reference]
+    return tuple(backends)
+
+
+def control_of(backend: Backend) -> Backend:
+    """A second copy of a reference, which runs along."""
+    return msgspec.structs.replace(backend, name=f"{backend.name} {CONTROL}", against=backend.name, control=True)
+
+
+def make_tasks(
+    scenarios: Sequence[Scenario], options: Mapping[str, Sequence[int]], *, thesis: bool = False
+) -> Iterator[Task]:
+    """The scenarios with their counts; with several values of an option, one task for each.
+
+    Raises:
+        InputError: an option that no scenario has, or that is below 1.
+    """
+    left = set(options)
+    for scenario in scenarios:
+        counts = dict(scenario.thesis if thesis else scenario.options)
+        swept: dict[str, Sequence[int]] = {}
+        for name, values in options.items():
+            owner, _, option = name.rpartition(".")
+            if option in counts and owner in ("", scenario.name):
+                swept[option] = values
+                left.discard(name)
+        if any(value < 1 for values in swept.values() for value in values):
+            raise InputError(f"{scenario.name}: counts are 1 at least")
+        several = [name for name, values in swept.items() if len(values) > 1]
+        for values in product(*swept.values()):
+            chosen = counts | dict(zip(swept, values, strict=True))
+            words = [scenario.name, *(f"{name}={chosen[name]}" for name in several)]
+            yield Task(
+                name=" ".join(words), scenario=scenario.name, options=chosen, parallel=scenario.parallel
+            )
+    if left:
+        known = sorted({f"{one.name}.{name}" for one in scenarios for name in one.options})
+        raise InputError(f"no scenario has the option {', '.join(sorted(left))}; there are: {', '.join(known)}")
+
+
+def parse_option(text: str) -> tuple[str, list[int]]:
+    """"alfa.sweeps=10,50" as a name and its values; a range 1..4 stands for 1,2,3,4.
+
+    Raises:
+        InputError: it is something else.
+    """
+    name, _, values = text.partition("=")
+    numbers: list[int] = []
+    for part in values.split(","):
+        match = re.fullmatch(r"(\d+)(?:\.\.(\d+))?", part.strip())
+        if not name.strip() or match is None:
+            raise InputError(f"option '{text}': write NAME=1,2,3 or NAME=1..3, in whole numbers")
+        numbers += range(int(match[1]), int(match[2] or match[1]) + 1)
+    return name.strip(), list(dict.fromkeys(numbers))
 
 
 def _choose_scenarios(family: Family, names: Sequence[str] | None, thesis: bool) -> list[Scenario]:
@@ -165,23 +253,40 @@ def _choose_scenarios(family: Family, names: Sequence[str] | None, thesis: bool)
     return chosen
 
 
-def _choose_effort(thesis: bool, quick: bool, rounds: int | None) -> Effort:
-    if rounds is not None and rounds < 1:
-        raise InputError(f"rounds: {rounds}; at least one is needed")
-    if thesis:
-        if rounds not in (None, 1):
-            raise InputError("the thesis profile changes one net as it goes: it has one round")
-        return ONCE
-    effort = QUICK if quick else DEFAULT
-    return effort if rounds is None else Effort(rounds, min(rounds, effort.hopeless_rounds))
+def _choose_effort(profile: str, launches: int | None, rounds: int | None, contestants: int) -> Effort:
+    """The profile's effort, or another; the default has launches enough for an interval, whoever takes part."""
+    effort = EFFORTS[profile]
+    for name, count in (("launches", launches), ("rounds", rounds)):
+        if count is not None and count < 1:
+            raise InputError(f"{name}: {count}; at least one is needed")
+        if count not in (None, 1) and profile in ("thesis", "check"):
+            raise InputError(f"{name}: the {profile} profile has one")
+    if profile in ("default", "rigorous") and launches is None:
+        launches = max(effort.launches, fewest_launches(contestants))
+    return msgspec.structs.replace(effort, launches=launches or effort.launches, rounds=rounds or effort.rounds)
 
 
-def _command(model: str, **flags: object) -> str:
-    """The command line that asks for the same; a flag that is None or False is left out."""
-    words = ["tetrabench", "run", "--model", model]
+def _command(model: str, verb: str, **flags: object) -> str:
+    """The command line that asks for the same; a flag that is None, False or empty is left out."""
+    words = ["tetrabench", verb, "--model", model]
     for name, value in flags.items():
-        if value is not None and value is not False:
+        if value is None or value is False or value == []:
+            continue
+        if name == "option":
+            words += [word for one in value for word in ("--option", one)]  # type: ignore[attr-defined]
+        else:
             words.append(f"--{name}")
             if value is not True:
-                words.append(",".join(value) if isinstance(value, list | tuple) else str(value))
+                words.append(",".join(map(str, value)) if isinstance(value, list | tuple) else str(value))
     return shlex.join(words)
+
+
+def model_of(name: str, path: Path, size: Mapping[str, int]) -> Model:
+    """The record of a model; its digest is that of the file."""
+    import hashlib
+
+    digest = hashlib.blake2b(digest_size=8)
+    with path.open("rb") as file:
+        while part := file.read(1 << 20):
+            digest.update(part)
+    return Model(name=name, size=dict(size), digest=digest.hexdigest())

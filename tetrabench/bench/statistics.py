@@ -1,137 +1,287 @@
-"""What samples say: medians, ratios to the reference from the same round, and a word for each cell.
+"""What samples say: ratios to the reference from the same round, an interval over launches, a verdict for each cell.
 
-Provisional: without intervals, and therefore without a verdict on differences under 25 %.
+The launch is the unit: within one, the placement of processes on cores and in memory puts all rounds of a contestant
+off by the same few percent, so that rounds are no independent samples. A launch counts as one number, the median of
+ln(contestant / reference) over its rounds; the interval over launches is that of the sign test (see `pairs`), wide
+enough to hold for all contestants of a task together (Bonferroni).
 """
 
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from statistics import median
+from typing import NamedTuple
 
 import msgspec
 
-from tetrabench.bench.record import Results, Sample
+from tetrabench.bench.pairs import CONFIDENCE, fewest_for, interval_rank
+from tetrabench.bench.record import Backend, Launch, Results, Sample
 
-ALIKE = 1.25
-"""Ratios up to this, either way, are no difference."""
-FEW = 3
+ALIKE = 1.05
+"""An interval within this, either way, means the same."""
+BEYOND = 1.01
+"""An interval must exclude 1 by so much: systematic differences of one percent between equal processes were seen."""
 CLEAR = 3.0
-"""In fewer than FEW rounds only ratios from CLEAR on are a difference: one sample may be off twofold."""
+"""Where launches are too few for an interval, only ratios that are all beyond this rank: see docs/measuring.md."""
 SHORTEST_S = 0.005
-"""CPU time below which a sample says nothing: it counts as at most this much."""
+"""A sample shorter than this says nothing: it counts as so long."""
+PARALLEL = 1.1
+"""A sample whose process took so many times the CPU time of its thread was parallel, whatever it claims."""
 
-_ENDS = {"wrong-result": "wrong", "crash": "crashed", "error": "failed", "skipped": "skipped"}  # worst first
+_ENDS = {  # status -> verdict; the worst first
+    "wrong-result": "wrong",
+    "unstable": "unstable",
+    "crash": "crashed",
+    "oom": "out of memory",
+    "timeout": "timed out",
+    "error": "failed",
+    "unsupported": "unsupported",
+    "skipped": "skipped",
+}
+BAD = frozenset(verdict for status, verdict in _ENDS.items() if status not in ("unsupported", "skipped"))
+"""The verdicts of cells that went wrong."""
 
 
 class Row(msgspec.Struct, frozen=True, kw_only=True):
-    """One contestant in one scenario. Figures are None where the cell did not end well.
+    """One cell: a contestant in a task on a model. Figures are None where it did not end well.
 
     Attributes:
-        status: the worst of its samples' (see record.Sample); reason: of that one.
-        n: samples; cpu_s, wall_s: their medians, seconds.
-        ratio: median over rounds of CPU time over the reference's of the same round.
-        ratio_low, ratio_high: the range of those ratios.
-        ns_per_item: median CPU time for one item of the work, nanoseconds.
-        structure_bytes, peak_bytes: medians.
-        verdict: "reference", "faster", "slower", "about the same", "inconclusive" (rounds that are few, or
-            contradict each other), "too short to rank", "no reference" (which did not end well itself),
-            "wrong", "crashed", "failed", "skipped". Only faster and slower rank.
+        against: the backend that the ratio refers to.
+        status: the worst of its samples' (see record.Sample); reason: of that one, or of an inconclusive verdict.
+        verdict: "reference"; "control"; "faster", "slower", "same" (all of the interval within ALIKE) or "inconclusive";
+            "about" (launches are too few for an interval; the ratio is no more than a hint); "too short" (to rank);
+            "no reference" (which did not end well itself); "wrong", "unstable", "crashed", "out of memory",
+            "timed out", "failed", "unsupported", "skipped". Only faster and slower rank.
+        launches, samples: how many ended well.
+        clock: "cpu" or "wall": which time the figures are.
+        seconds: median over samples of the time of one run of the scenario.
+        ratio: median over launches; low, high: its interval, or with the verdict "about" the range of the launches.
+        is_bound: the ratio is only known to be `low` at least (or, if faster, `high` at most).
+        ns_per_item: time for one item of the work, nanoseconds.
+        gb_per_s: least traffic with memory that the work needs, over the time, 1e9 bytes a second.
+        share_of_limit: the same over what the core could do: the triad bandwidth of the same launches.
+        spread: half the width of the interval as a share of the ratio.
     """
 
-    scenario: str
+    model: str
+    task: str
     backend: str
-    extension: bool
+    against: str
     status: str
-    n: int
     verdict: str
-    cpu_s: float | None = None
-    wall_s: float | None = None
+    control: bool = False
+    extension: bool = False
+    launches: int = 0
+    samples: int = 0
+    clock: str = "cpu"
+    seconds: float | None = None
     ratio: float | None = None
-    ratio_low: float | None = None
-    ratio_high: float | None = None
+    low: float | None = None
+    high: float | None = None
+    is_bound: bool = False
     ns_per_item: float | None = None
-    structure_bytes: float | None = None
-    peak_bytes: float | None = None
+    gb_per_s: float | None = None
+    share_of_limit: float | None = None
     reason: str = ""
+
+    @property
+    def spread(self) -> float | None:
+        """Half the width of the interval, as a share of the ratio."""
+        if self.ratio is None or self.low is None or self.high is None:
+            return None
+        return (self.high - self.low) / 2 / self.ratio
+
+
+class Interval(NamedTuple):
+    """A ratio, and the ends of its interval; `is_whole` says that it holds with the confidence asked for."""
+
+    ratio: float
+    low: float
+    high: float
+    is_whole: bool
+
+
+Place = tuple[int, int, int]  # launch, group, round
 
 
 def summary(results: Results) -> list[Row]:
-    """A row for each cell, scenarios in the order of the run, contestants in that of the plan."""
-    cells: dict[tuple[str, str], list[Sample]] = {}
+    """A row for each cell: models and tasks in the order of the run, contestants in that of the plan."""
+    cells: dict[tuple[str, str], dict[str, list[Sample]]] = {}
     for sample in results.samples:
-        cells.setdefault((sample.scenario, sample.backend), []).append(sample)
-    scenarios = dict.fromkeys(sample.scenario for sample in results.samples)
+        cells.setdefault((sample.model, sample.task), {}).setdefault(sample.backend, []).append(sample)
     return [
-        _row(cell, cells.get((scenario, results.reference), []), results.reference, backend.extension)
-        for scenario in scenarios
-        for backend in results.backends
-        if (cell := cells.get((scenario, backend.name)))
+        row
+        for model in results.models
+        for task in results.tasks
+        if (cell := cells.get((model.name, task.name)))
+        for row in _rows(cell, results.backends, task.parallel, [x for x in results.launches if x.model == model.name])
     ]
 
 
-def _row(cell: list[Sample], reference: list[Sample], reference_name: str, extension: bool) -> Row:
-    first = cell[0]
+def _rows(
+    cells: Mapping[str, list[Sample]], backends: Sequence[Backend], parallel: bool, launches: Sequence[Launch]
+) -> list[Row]:
+    """The rows of one task on one model."""
+    clock = "wall" if parallel or any(map(_ran_parallel, cells.values())) else "cpu"
+    contestants = [one for one in backends if not one.control and one.against != one.name]
+    confidence = confidence_of(len(contestants))
+    rows = []
+    for backend in backends:
+        if samples := cells.get(backend.name):
+            reference = cells.get(backend.against, [])
+            rows.append(_row(samples, reference, backend, clock, confidence, launches))
+    doubtful = {row.against: row for row in rows if row.control and differs(row, fewest_for(confidence))}
+    return [_doubt(row, doubtful[row.against]) if row.against in doubtful else row for row in rows]
+
+
+def confidence_of(contestants: int) -> float:
+    """What each interval must hold with, so that all those of a task hold with CONFIDENCE."""
+    return 1 - (1 - CONFIDENCE) / max(1, contestants)
+
+
+def fewest_launches(contestants: int) -> int:
+    """Launches that an interval needs where so many are compared with the reference."""
+    return fewest_for(confidence_of(contestants))
+
+
+def differs(row: Row, fewest: int) -> bool:
+    """Whether a control's interval excludes 1, where there are the `fewest` launches for one."""
+    if row.ratio is None or row.low is None or row.high is None:
+        return False
+    return verdict_of(Interval(row.ratio, row.low, row.high, row.launches >= fewest)) in ("faster", "slower")
+
+
+def _doubt(row: Row, control: Row) -> Row:
+    """A row next to a control that differs from the reference: no difference can be believed."""
+    if row.verdict not in ("faster", "slower", "same"):
+        return row
+    reason = f"the control, a second copy of {row.against}, took {control.ratio:.2f} times as long as it"
+    return msgspec.structs.replace(row, verdict="inconclusive", is_bound=False, reason=reason)
+
+
+def _row(
+    samples: list[Sample],
+    reference: list[Sample],
+    backend: Backend,
+    clock: str,
+    confidence: float,
+    launches: Sequence[Launch],
+) -> Row:
+    facts = {
+        "model": samples[0].model,
+        "task": samples[0].task,
+        "backend": backend.name,
+        "against": backend.against,
+        "control": backend.control,
+        "extension": backend.extension,
+        "clock": clock,
+    }
+    good = [sample for sample in samples if sample.status == "ok"]
+    counts = {"launches": len({sample.launch for sample in good}), "samples": len(good)}
     for status, verdict in _ENDS.items():
-        bad = [sample for sample in cell if sample.status == status]
-        if bad:
-            return Row(
-                scenario=first.scenario,
-                backend=first.backend,
-                extension=extension,
-                status=status,
-                n=sum(sample.status == "ok" for sample in cell),
-                verdict=verdict,
-                reason=bad[0].reason,
-            )
-    cpu_s = _median([sample.cpu_s for sample in cell])
-    ratios = _paired_ratios(cell, reference)
+        bad = next((sample for sample in samples if sample.status == status), None)
+        if bad is not None:
+            return Row(**facts, **counts, status=status, verdict=verdict, reason=bad.reason)
+    seconds = median(_seconds(sample, clock) for sample in samples)
+    interval = interval_over(launch_ratios(samples, reference, clock).values(), confidence)
+    verdict = _verdict(samples, reference, backend, clock, interval)
+    work = [sample.items / sample.repeats for sample in samples if sample.items]
+    least = [sample.least_bytes / sample.repeats for sample in samples if sample.least_bytes]
+    gb_per_s = median(least) / seconds / 1e9 if least and seconds else None
+    triad = [launch.yardsticks.triad_gb_s for launch in launches if launch.yardsticks]
+    shown = interval if backend.name != backend.against else None
     return Row(
-        scenario=first.scenario,
-        backend=first.backend,
-        extension=extension,
+        **facts,
+        **counts,
         status="ok",
-        n=len(cell),
-        verdict=_verdict(cell, reference, first.backend == reference_name),
-        cpu_s=cpu_s,
-        wall_s=_median([sample.wall_s for sample in cell]),
-        ratio=_median(ratios),
-        ratio_low=min(ratios, default=None),
-        ratio_high=max(ratios, default=None),
-        ns_per_item=cpu_s / first.items * 1e9 if cpu_s is not None and first.items else None,
-        structure_bytes=_median([sample.structure_bytes for sample in cell]),
-        peak_bytes=_median([sample.peak_bytes for sample in cell]),
+        verdict=verdict,
+        seconds=seconds,
+        ratio=shown.ratio if shown else None,
+        low=shown.low if shown else None,
+        high=shown.high if shown else None,
+        is_bound=verdict in ("faster", "slower") and interval is not None and not interval.is_whole,
+        ns_per_item=seconds / median(work) * 1e9 if work else None,
+        gb_per_s=gb_per_s,
+        share_of_limit=gb_per_s / median(triad) if gb_per_s and triad else None,
     )
 
 
-def _paired_ratios(cell: list[Sample], reference: list[Sample], shortest_s: float = 0.0) -> list[float]:
-    """CPU time over the reference's, round by round; each counts as `shortest_s` at least."""
+def launch_ratios(samples: Iterable[Sample], reference: Iterable[Sample], clock: str) -> dict[int, float]:
+    """For each launch the median of ln(contestant / reference) over its rounds; empty if the reference did not end well."""
+    reference = list(reference)
     if any(sample.status != "ok" for sample in reference):
-        return []
-    by_round = {sample.round: sample.cpu_s for sample in reference}
-    pairs = [(sample.cpu_s, by_round.get(sample.round)) for sample in cell]
-    return [max(own, shortest_s) / max(other, shortest_s) for own, other in pairs if own is not None and other]
+        return {}
+    theirs = {_place(sample): _counted(sample, clock) for sample in reference}
+    rounds: dict[int, list[float]] = {}
+    for sample in samples:
+        if sample.status == "ok" and _place(sample) in theirs:
+            ratio = math.log(_counted(sample, clock) / theirs[_place(sample)])
+            rounds.setdefault(sample.launch, []).append(ratio)
+    return {launch: median(ratios) for launch, ratios in rounds.items()}
 
 
-def _verdict(cell: list[Sample], reference: list[Sample], is_reference: bool) -> str:
-    if is_reference:
+def interval_over(ratios: Iterable[float], confidence: float) -> Interval | None:
+    """The median of logarithms of ratios, and its sign-test interval; their range where they are too few for one."""
+    ordered = sorted(ratios)
+    if not ordered:
+        return None
+    is_whole = len(ordered) >= fewest_for(confidence)
+    rank = interval_rank(len(ordered), confidence) if is_whole else 0
+    return Interval(*map(math.exp, (median(ordered), ordered[rank], ordered[-1 - rank])), is_whole)
+
+
+def verdict_of(interval: Interval) -> str:
+    """What an interval says: "faster", "slower", "same", "inconclusive", "about"."""
+    limit = BEYOND if interval.is_whole else CLEAR
+    if interval.is_whole and 1 / ALIKE <= interval.low and interval.high <= ALIKE:
+        return "same"
+    if interval.low > limit:
+        return "slower"
+    if interval.high < 1 / limit:
+        return "faster"
+    return "inconclusive" if interval.is_whole else "about"
+
+
+def _verdict(
+    samples: list[Sample], reference: list[Sample], backend: Backend, clock: str, interval: Interval | None
+) -> str:
+    if backend.name == backend.against:
         return "reference"
-    ratios = _paired_ratios(cell, reference)
-    ratio = _median(ratios)
-    # so much is certain, however short the samples are
-    at_least = _median(_paired_ratios(cell, reference, SHORTEST_S))
-    if ratio is None or at_least is None:
+    if interval is None:
         return "no reference"
-    if 1 / ALIKE < at_least < ALIKE and not all(_is_long(samples) for samples in (cell, reference)):
-        return "too short to rank"
-    if 1 / ALIKE < ratio < ALIKE:
-        return "about the same"
-    is_clear = len(ratios) >= FEW or not 1 / CLEAR < ratio < CLEAR
-    if min(ratios) <= 1 <= max(ratios) or not is_clear:
-        return "inconclusive"
-    return "slower" if ratio > 1 else "faster"
+    verdict = verdict_of(interval)
+    if verdict not in ("faster", "slower") and not (_is_long(samples, clock) and _is_long(reference, clock)):
+        return "too short"
+    return "control" if backend.control else verdict
 
 
-def _is_long(samples: list[Sample]) -> bool:
-    return (_median([sample.cpu_s for sample in samples]) or 0.0) >= SHORTEST_S
+def _place(sample: Sample) -> Place:
+    return sample.launch, sample.group, sample.round
 
 
-def _median(values: list[float | None] | list[int | None] | list[float]) -> float | None:
-    known = [value for value in values if value is not None]
-    return median(known) if known else None
+def _total(sample: Sample, clock: str) -> float:
+    """All repeats of a sample, seconds."""
+    return (sample.wall_s if clock == "wall" else sample.cpu_s) or 0.0
+
+
+def _seconds(sample: Sample, clock: str) -> float:
+    """One run of the scenario, seconds."""
+    return _total(sample, clock) / sample.repeats
+
+
+def _counted(sample: Sample, clock: str) -> float:
+    """One run of the scenario, where a sample counts as SHORTEST_S at least."""
+    return max(_total(sample, clock), SHORTEST_S) / sample.repeats
+
+
+def _is_long(samples: list[Sample], clock: str) -> bool:
+    return median(_total(sample, clock) for sample in samples) >= SHORTEST_S
+
+
+def _ran_parallel(samples: list[Sample]) -> bool:
+    """Whether several threads worked for a contestant."""
+    shares = [
+        sample.process_cpu_s / sample.cpu_s
+        for sample in samples
+        if sample.status == "ok" and sample.cpu_s and sample.process_cpu_s and sample.process_cpu_s >= SHORTEST_S
+    ]
+    return bool(shares) and median(shares) > PARALLEL

@@ -1,0 +1,136 @@
+"""How the verbs speak to a person: messages, tables of words, patience, progress of a run."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+import threading
+from time import monotonic
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from tetrabench.bench import Plan
+
+PATIENCE = 2.0  # seconds until a person wants to know what is going on
+WIDTH = 100  # where there is no terminal to fit into
+
+
+def say(message: str) -> None:
+    """A message to the person, apart from what was asked for."""
+    click.echo(message, err=True)
+
+
+def tabulate(head: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """Print a table of words."""
+    from rich.box import SIMPLE_HEAD
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    console = Console()
+    if not console.is_terminal:
+        console.width = WIDTH
+    table = Table(box=SIMPLE_HEAD, show_edge=False, pad_edge=False)
+    for name in head:
+        table.add_column(name, no_wrap=name == head[0])
+    for row in rows:
+        table.add_row(*map(Text, row))
+    console.print(table)
+
+
+@contextlib.contextmanager
+def patience(doing: str) -> Iterator[None]:
+    """Say on stderr what is going on, once that takes long: with a clock on a terminal, else in one line."""
+    stream = sys.stderr  # that of now: what meshio prints is taken away from it meanwhile
+    shown = contextlib.ExitStack()
+
+    def tell() -> None:
+        from rich.console import Console
+        from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+        console = Console(file=stream)
+        if console.is_terminal:
+            columns = SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn()
+            bar = Progress(*columns, console=console, transient=True, redirect_stdout=False, redirect_stderr=False)
+            shown.enter_context(bar).add_task(doing)
+        else:
+            console.print(f"{doing} ...", markup=False, highlight=False, soft_wrap=True)
+
+    timer = threading.Timer(PATIENCE, tell)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+        timer.join()
+        shown.close()
+
+
+class RunProgress:
+    """Progress of a run on stderr: a bar on a terminal, else a plain line a scenario."""
+
+    def __init__(self) -> None:
+        from rich.console import Console
+        from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn
+        from rich.text import Text
+
+        class Clock(ProgressColumn):
+            """What is left, counted down while a turn lasts; and how long one has lasted that takes longer than that."""
+
+            def render(_, task: Task) -> Text:  # noqa: N805 - the progress is `self` here
+                return Text(self._left(monotonic()))
+
+        console = Console(stderr=True)
+        self._live = console.is_terminal
+        columns = TextColumn("{task.description}"), BarColumn(), Clock()
+        self._bar = Progress(*columns, console=console, transient=True, disable=not self._live)
+        self._task = self._bar.add_task("starting the workers", total=None)
+        self._began = monotonic()  # of what happens now
+        self._remaining: float | None = None
+        self._scenarios: set[str] = set()
+        self._said = ""
+
+    def __enter__(self) -> RunProgress:
+        self._bar.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._bar.stop()
+
+    def started(self, plan: Plan) -> None:
+        """What is going to happen."""
+        self._scenarios = {task.scenario for task in plan.tasks}
+        backends = ", ".join(backend.name for backend in plan.backends)
+        self._say(f"{plan.model}: {len(plan.tasks)} scenarios on {backends}, {plan.effort.rounds} rounds at most")
+
+    def step(self, text: str, done: int, total: int, seconds_remaining: float | None) -> None:
+        """What happens now."""
+        self._began, self._remaining = monotonic(), seconds_remaining
+        left = self._left(self._began)
+        self._bar.update(self._task, description=text, completed=done, total=total)
+        phase = text.partition(":")[0]
+        phase = phase if phase in self._scenarios else "compiling, or loading what was compiled"
+        if phase != self._said and not self._live:
+            self._say(f"{phase} {f'({done} of {total} turns done, {left})' if left else ''}".rstrip())
+        self._said = phase
+
+    def _left(self, now: float) -> str:
+        lasted = now - self._began
+        if self._remaining is None:
+            return f"for {_clock(lasted)}" if lasted > 2 else ""
+        if lasted > self._remaining:
+            return f"for {_clock(lasted)}, longer than expected"
+        return f"{_clock(self._remaining - lasted)} left"
+
+    def _say(self, message: str) -> None:
+        self._bar.console.print(message, markup=False, highlight=False, soft_wrap=True)
+
+
+def _clock(seconds: float) -> str:
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes}:{rest:02}"
