@@ -390,6 +390,7 @@ def test_unknown_suffixes_and_the_nearest(tmp_path: Path) -> None:
 def test_missing_files_and_folders(tmp_path: Path) -> None:
     assert refused(tmp_path / "other.vtu") == "there is no such file"
     assert refused(tmp_path / "box.msh").endswith("make it with: tetrabench generate box -o box.msh")
+    assert refused(tmp_path / f"{'x' * 300}.nas") == "cannot be read: File name too long"
     (tmp_path / "part.mesh").mkdir()
     assert refused(tmp_path / "part.mesh") == "a folder, not a file"
 

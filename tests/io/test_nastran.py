@@ -1,5 +1,6 @@
 """The Nastran reader against a naive twin, deck by deck, refusal by refusal; the writer by its round trip."""
 
+import os
 import re
 from collections import Counter
 from itertools import product
@@ -454,6 +455,12 @@ def test_writer_refuses_what_cannot_be_written(tmp_path: Path) -> None:
         write_nastran(mesh, tmp_path / "x.nas", field="wide")
     with pytest.raises(InputError, match="cannot be written"):
         write_nastran(mesh, tmp_path / "no folder" / "x.nas")
+    (tmp_path / "file").touch()
+    with pytest.raises(InputError, match=r"x\.nas: cannot be written: Not a directory"):
+        write_nastran(mesh, tmp_path / "file" / "x.nas")
+    with pytest.raises(InputError, match="cannot be written: File name too long"):
+        write_nastran(mesh, tmp_path / f"{'x' * 300}.nas")
+    (tmp_path / "file").unlink()
     mesh.points[0, 0] = np.nan
     with pytest.raises(InputError, match="NaN"):
         write_nastran(mesh, tmp_path / "x.nas")
@@ -464,6 +471,8 @@ def test_comments_stand_at_the_top(tmp_path: Path) -> None:
     write_nastran(single(), tmp_path / "x.nas", comments=["first", "second\nGRID,1"])
     assert (tmp_path / "x.nas").read_text().startswith("$ first\n$ second\n$ GRID,1\nBEGIN BULK\nGRID ")
     assert [file.name for file in tmp_path.iterdir()] == ["x.nas"]
+    write_nastran(single(), tmp_path / "x.nas", comments=[os.fsdecode(b"caf\xe9.nas")])
+    assert (tmp_path / "x.nas").read_bytes().startswith(b"$ caf\xe9.nas\nBEGIN BULK\n")
 
 
 # ------------------------------ suffixes

@@ -30,9 +30,13 @@ def read_mesh(path: str | os.PathLike[str], *, unused: str = "drop", repair: str
     """
     suffix = known_suffix(path)
     file = Path(path)
-    if file.is_dir():
+    try:
+        is_folder, is_there = file.is_dir(), file.exists()
+    except OSError as error:  # a name that no file can have, a folder that must not be looked into
+        raise InputError(f"{path}: cannot be read: {error.strerror or error}") from error
+    if is_folder:
         raise InputError(f"{path}: a folder, not a file")
-    if not file.exists():
+    if not is_there:
         command = f"tetrabench generate {file.stem} -o {file.name}"
         hint = f"; make it with: {command}" if file.stem in MODELS else ""
         raise InputError(f"{path}: there is no such file{hint}")

@@ -1,5 +1,6 @@
 """Write Nastran bulk data in small, large or free field."""
 
+import contextlib
 import os
 import re
 from collections.abc import Sequence
@@ -79,7 +80,7 @@ def write_nastran(
     head = "".join(f"$ {line}\n" for comment in comments for line in comment.splitlines())
     write_whole(
         path,
-        (head + "BEGIN BULK\n").encode(),
+        (head + "BEGIN BULK\n").encode(errors="surrogateescape"),  # a file may have any bytes for a name
         free_points(points, point_ids) if field == "free" else point_records(points, point_ids, layout),
         integer_records(tets, layout.tetra, layout.tetra_ends),
         b"ENDDATA\n",
@@ -97,7 +98,8 @@ def write_whole(path: str | os.PathLike[str], *parts: bytes | Bytes) -> None:
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror or error}") from error
     finally:
-        draft.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):  # it has its name, or there never was one
+            draft.unlink()
 
 
 def free_layout(width: int) -> Layout:
