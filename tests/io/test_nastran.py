@@ -194,6 +194,7 @@ DIALECTS = {
     "lower case": (FREE_POINTS + FREE_TETRA).lower(),
     "byte order mark": "\xef\xbb\xbf" + FREE_POINTS + FREE_TETRA,
     "END BULK": FREE_POINTS + FREE_TETRA + "END BULK\nnonsense GRID\nGRID,x\n",
+    "END BULK, indented": FREE_POINTS + FREE_TETRA + "  END BULK\nGRID,x\n",
     "nothing after ENDDATA counts": FREE_POINTS + FREE_TETRA + "ENDDATA*\nGRID,x\n",
     "trailing commas": FREE_POINTS + "CTETRA,1,1,1,2,3,4,,,,,,\n",
     "padded free field": FREE_POINTS + "CTETRA , 1 ,\t1 , 1 , 2 , 3 , 4\n",
@@ -215,9 +216,12 @@ DIALECTS = {
     "more than ten fields": FREE_POINTS + "CTETRA,1,1,1,2,3,4,5,6,7,8,9,10\n",
     "continuation and more on a line": FREE_POINTS + "CTETRA,1,1,1,2,3,4,5,6,+A,+A,7,8,9,10\n",
     "continuation elsewhere": FREE_POINTS + "CTETRA*,1,1,1,2,*N1\nGRID,5,,0.,0.,0.\n*N1,3,4\n",
+    "continuation elsewhere, indented": FREE_POINTS + "CTETRA*,1,1,1,2,*N1\nPSOLID,1\n  *N1,3,4\n",
     "continuations at the end": "GRID*,4,,0.,0.,*G4\n" + FREE_POINTS.replace("GRID,4,,0.,0.,1.\n", "")
     + SMALL_TETRA + "       5       6+T1\n+T1     7\n*G4,1.\n",
     "a skipped card's continuation": FREE_TETRA + "CHEXA,1,1,1,2,3,4,5,6,+H1\n" + FREE_POINTS + "+H1,7,8\n",
+    "a skipped card's continuation, asked for before a comment": FREE_TETRA + "CHEXA,1,1,1,2,3,4,5,6,+H1 $ eight\n"
+    + FREE_POINTS + "+H1,7,8\n",
     "coordinate system 0": "GRDSET,,7\n" + FREE_POINTS.replace(",,", ",0,") + FREE_TETRA,
     "free continuation": FREE_POINTS + "CTETRA,1,1,1,2,3,4,,,+a\n+a,,\n",
     "blank continuation": FREE_POINTS + SMALL_TETRA + "\n        \n",
