@@ -10,6 +10,7 @@ import re
 import sys
 import tempfile
 import threading
+from fractions import Fraction
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -79,9 +80,9 @@ def read_count(ctx: click.Context, param: click.Parameter, text: str | None) -> 
     """A whole number such as 642700, 642,700, 100k or 1.5M."""
     if text is None:
         return None
-    match = re.fullmatch(r"(\d+(?:\.\d+)?)([kM]?)", text.replace(",", "").replace("_", ""))
-    number = float(match[1]) * {"": 1, "k": 1e3, "M": 1e6}[match[2]] if match else 0.5
-    if number != int(number):
+    match = re.fullmatch(r"([0-9]+(?:\.[0-9]+)?)([kM]?)", text.replace(",", "").replace("_", ""))
+    number = Fraction(match[1]) * {"": 1, "k": 1_000, "M": 1_000_000}[match[2]] if match else Fraction(1, 2)
+    if number.denominator != 1:
         raise click.BadParameter(f"{text!r} is no count such as 642700, 100k or 1.5M", ctx, param)
     return int(number)
 
@@ -165,7 +166,7 @@ def main() -> None:
 
 
 @main.command()
-@click.option("--model", required=True, metavar="FILE|NAME", help="A Nastran file, or a model to generate.")
+@click.option("--model", required=True, metavar="FILE|NAME", help="A mesh in any format, or a model to generate.")
 @family_option
 @click.option("--backend", "backends", multiple=True, callback=split_names, metavar="A,B", help="All unless given.")
 @click.option("--scenario", "scenarios", multiple=True, callback=split_names, metavar="A,B", help="All unless given.")
@@ -293,10 +294,10 @@ def info(file: Path, repair: str, form: str) -> None:
 @click.option("--field", type=click.Choice(["small", "large", "free"]), help="Of a Nastran file; free is exact.")
 def convert(source: Path, target: Path, numbering: str, seed: int, repair: str, unused: str, field: str | None) -> None:
     """Write a mesh in another format, or in another order."""
-    from tetrabench.io import known_suffix, read_mesh, write_mesh
+    from tetrabench.io import check_target, read_mesh, write_mesh
     from tetrabench.mesh.numbering import renumber
 
-    known_suffix(target)
+    check_target(target, field)
     with patience(f"reading {source}"):
         mesh = read_mesh(source, unused=unused, repair=repair)
     with patience(f"renumbering {len(mesh.tets):,} tetras"):
@@ -322,11 +323,14 @@ def convert(source: Path, target: Path, numbering: str, seed: int, repair: str, 
 @click.option("-o", "--output", metavar="FILE.nas", type=FILE, callback=check_folder, required=True)
 def generate(model: str, tets: int | None, numbering: str, seed: int, output: Path) -> None:
     """Make a model without a mesher and write it: the same file for the same seed."""
-    from tetrabench.io import write_mesh
+    from tetrabench.io import check_target, write_mesh
     from tetrabench.mesh import models
 
-    mesh = models.generate(model, tets, numbering=numbering, seed=seed)
-    write_mesh(mesh, output)
+    check_target(output)
+    with patience(f"making {model}"):
+        mesh = models.generate(model, tets, numbering=numbering, seed=seed)
+    with patience(f"writing {output}"):
+        write_mesh(mesh, output)
     click.echo(mesh.report.source)
     say(f"wrote {output}")
 

@@ -145,6 +145,8 @@ def test_no_tetras(tmp_path: Path) -> None:
     for suffix in SURFACES:
         path = write_raw(tmp_path / f"c{suffix}", CORNER, surface[:1])
         assert refused(path) == "holds no tetras; it holds triangle 2"
+    in_the_plane = write_raw(tmp_path / "d.su2", CORNER[:3, :2], [("triangle", [[0, 1, 2]])])
+    assert refused(in_the_plane) == "holds no tetras; it holds triangle 1"
 
 
 def test_points_in_the_plane(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
