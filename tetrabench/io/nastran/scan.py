@@ -268,7 +268,7 @@ def note_lost(loose: Integers, row: int, wrong: Integers, base: int, place: int,
 
 
 @kernel
-def second_word(text: Bytes, place: int) -> int:
+def second_word(text: Bytes, place: int) -> Any:
     """The word behind that with which a line begins, as `line_kind` gives it."""
     end = line_end(text, place)
     first, _ = trimmed(text, place, end)
