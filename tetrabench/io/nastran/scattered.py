@@ -51,35 +51,35 @@ class Continuations:
         card = self._lines_from(place)
         text = np.frombuffer(card, np.uint8).copy()
         while split_card(text, 0, fields, wrong)[0] == DANGLING:  # comes to an end: a card has MOST_FIELDS
-            name = card[wrong[0] : wrong[1]]
+            name = card[wrong[0] : wrong[1]].decode("latin-1")
             found = self._places.get(name, [])
             if len(found) != 1:
                 trouble = "is missing" if not found else f"stands {len(found)} times in the deck"
-                raise self.sources.refusal(place, f"its continuation {name.decode('latin-1')!r} {trouble}")
+                raise self.sources.refusal(place, f"its continuation {name!r} {trouble}")
             card += self._lines_from(found[0])
             text = np.frombuffer(card, np.uint8).copy()
         return text
 
-    def are_there(self, name: bytes) -> bool:
+    def are_there(self, name: str) -> bool:
         """Whether there is a continuation of that name."""
         return name in self._places
 
-    def are_asked_for(self, name: bytes) -> bool:
+    def are_asked_for(self, name: str) -> bool:
         """Whether a line, of whatever card, has that name in its last field."""
         return name in self._asked_for
 
-    def name_at(self, place: int) -> bytes:
+    def name_at(self, place: int) -> str:
         """The name that a line begins with, without the sign before it."""
         source = self.sources.at(place)
         text, begin = source.text, place - source.base
         end, free, _, _ = line_form(text, begin)
         first, last = bare_name(text, begin, name_end(text, begin, field_end(text, begin, end) if free else end))
-        return text[first:last].tobytes()
+        return self.sources.words(source.base + first, source.base + last)
 
     @cached_property
-    def _places(self) -> dict[bytes, list[int]]:
+    def _places(self) -> dict[str, list[int]]:
         """The lines that begin with the name of a continuation, by name."""
-        places: dict[bytes, list[int]] = {}
+        places: dict[str, list[int]] = {}
         for source in self.sources:
             for match in NAMED_LINE.finditer(source.text.tobytes()):
                 place = source.base + match.start()
@@ -87,8 +87,10 @@ class Continuations:
         return places
 
     @cached_property
-    def _asked_for(self) -> set[bytes]:
-        return {name for source in self.sources for name in LAST_FIELD.findall(source.text.tobytes())}
+    def _asked_for(self) -> set[str]:
+        """The names of continuations that stand in the last field of a line."""
+        texts = (source.text.tobytes() for source in self.sources)
+        return {name.decode("latin-1") for text in texts for name in LAST_FIELD.findall(text)}
 
     def _lines_from(self, place: int) -> bytes:
         """The line at a place, and those below that continue it."""
@@ -109,18 +111,18 @@ def gather_loose(deck: Deck, continuations: Continuations) -> None:
         InputError: a continuation is missing, or faulty; or a line continues a card that is not there.
     """
     sources = continuations.sources
-    for begin, end, place, kind, row, count in deck.loose[: deck.state[LOOSE]].tolist():
+    loose = deck.loose[: deck.state[LOOSE]].tolist()
+    for begin, end, place, kind, row, count in loose:
         if kind:
             name = sources.words(begin, end)
-            if not continuations.are_there(name.encode("latin-1")):
+            if not continuations.are_there(name):
                 raise sources.refusal(place, f"its continuation {name!r} is missing")
             if count < (POINT_FIELDS if kind == GRID else TETRA_FIELDS):
                 take_card(deck, continuations, kind, row, place)
-        else:
-            named = continuations.name_at(place)
-            if named and not continuations.are_asked_for(named):
-                name = named.decode("latin-1")
-                raise sources.refusal(place, f"this line continues a card {name!r}, which is not there")
+    for _, _, place, kind, _, _ in loose:
+        name = "" if kind else continuations.name_at(place)
+        if name and not continuations.are_asked_for(name):
+            raise sources.refusal(place, f"this line continues a card {name!r}, which is not there")
 
 
 def take_card(deck: Deck, continuations: Continuations, kind: int, row: int, place: int) -> None:
