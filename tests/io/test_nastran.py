@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.meshes import single
+from tests.meshes import mesh_of, single
 from tetrabench.errors import InputError
 from tetrabench.io import read_mesh, write_mesh
 from tetrabench.io.nastran import read_nastran, write_nastran
@@ -469,6 +469,25 @@ def test_writer_refuses_what_cannot_be_written(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="NaN"):
         write_nastran(mesh, tmp_path / "x.nas")
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("field", ["small", "large", "free"])
+def test_a_mesh_of_nothing_is_written(tmp_path: Path, field: str) -> None:
+    write_nastran(mesh_of([], []), tmp_path / "x.nas", field=field)
+    assert (tmp_path / "x.nas").read_text() == "BEGIN BULK\nENDDATA\n"
+
+
+def test_whole_file_or_the_one_before(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_nastran(single(), tmp_path / "x.nas")
+    before = (tmp_path / "x.nas").read_bytes()
+
+    def fail(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "replace", fail)
+    with pytest.raises(InputError, match=r"x\.nas: cannot be written: No space left on device"):
+        write_nastran(generate("box", 20), tmp_path / "x.nas")
+    assert {file.name: file.read_bytes() for file in tmp_path.iterdir()} == {"x.nas": before}
 
 
 def test_comments_stand_at_the_top(tmp_path: Path) -> None:

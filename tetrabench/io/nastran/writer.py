@@ -72,7 +72,8 @@ def write_nastran(
     tets = np.column_stack([mesh.tet_ids, np.ones(len(mesh.tets), np.int64), point_ids[mesh.tets]])
     if not np.isfinite(points).all():
         raise InputError(f"{path}: a coordinate that is NaN or infinite cannot be written")
-    low, high = (int(edge(np.append(tets, point_ids))) for edge in (np.min, np.max))
+    ids = np.append(tets, point_ids)
+    low, high = (int(ids.min()), int(ids.max())) if len(ids) else (1, 1)
     layout = {"small": SMALL, "large": LARGE, "free": free_layout(len(str(high)))}[field]
     if low < 1 or len(str(high)) > layout.width:
         held = f"{field} field holds whole numbers from 1, of up to {layout.width} digits"
