@@ -303,8 +303,9 @@ def test_unreadable_files(tmp_path: Path) -> None:
         read_nastran(tmp_path / "missing.nas")
     with pytest.raises(InputError, match="cannot be read"):
         read_nastran(tmp_path)
-    with pytest.raises(InputError, match="is empty"):
-        read_text(tmp_path, "")
+    for nothing in (b"", b"\xef\xbb\xbf"):
+        with pytest.raises(InputError, match="is empty"):
+            read_text(tmp_path, nothing)
 
 
 def test_unused_points_are_dropped_and_counted_or_kept(tmp_path: Path) -> None:

@@ -10,8 +10,7 @@ from scipy.spatial.transform import Rotation
 from tests.io.fuzz_nastran import corpus, judge, mutated
 from tests.io.test_nastran import CORNERS, FREE_POINTS, FREE_TETRA, read_text
 from tetrabench.errors import InputError, MemoryRefusedError, RepairableError
-from tetrabench.io.nastran import read_nastran, source, write_nastran
-from tetrabench.io.nastran.reader import LONGEST_INCLUDE
+from tetrabench.io.nastran import read_nastran, reader, source, write_nastran
 from tetrabench.mesh.models import generate
 
 
@@ -72,7 +71,7 @@ def test_include_of_a_name_beyond_ascii(tmp_path: Path, encoding: str) -> None:
 
 
 def test_what_follows_a_long_include_is_the_next_line(tmp_path: Path) -> None:
-    comment = "x" * 2 * LONGEST_INCLUDE
+    comment = "x" * 2 * reader.LONGEST_INCLUDE
     path = write(tmp_path, main=f"INCLUDE 'rest.nas' $ {comment}\n{FREE_TETRA}", rest=FREE_POINTS)
     assert read_nastran(path).report.skipped == {}
 
@@ -154,6 +153,29 @@ def test_the_window_changes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     (tmp_path / "rest.nas").write_text("".join([*lines[half:-1], "CTETRA,1,1,x\n"]))
     with pytest.raises(InputError, match=rf"rest\.nas:{len(lines) - half}: 'x' is not"):
         read_nastran(path)
+
+
+def test_more_cards_than_the_size_of_the_file_promises(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Points, tetras, hard numbers, systems and scattered continuations beyond the room that there is at first."""
+    mesh, path = generate("box", 3000), tmp_path / "main.nas"
+    mesh.points *= 1 + 1e-13  # numbers left to float()
+    write_nastran(mesh, path, field="free")
+    more = range(10_001, 11_200)
+    scattered = "".join(f"GRID*,{k},,1.,2.,*G{k - 10_000}\n" for k in more) + "PSOLID,1\n"
+    scattered += "".join(f"*G{k - 10_000},{k}.\n" for k in more) + "".join(f"CORD1R,{k},1,2,3\n" for k in more)
+    path.write_text(path.read_text().replace("ENDDATA", scattered + "ENDDATA"))
+    monkeypatch.setattr(reader, "CARD_BYTES", 10**9)
+    read = read_nastran(path, unused="keep")
+    assert min(len(mesh.points) + len(more), len(mesh.tets), len(more)) > 1024  # all that there is room for at first
+    np.testing.assert_array_equal(read.points, [*mesh.points, *([1.0, 2.0, k] for k in more)])
+    assert read.point_ids.tolist() == [*mesh.point_ids, *more]
+    np.testing.assert_array_equal(read.tets, mesh.tets)
+    assert read.report.skipped == {"CORD1R": len(more), "PSOLID": 1}
+
+
+def test_lines_of_a_file_of_any_size_are_counted(tmp_path: Path) -> None:
+    (tmp_path / "deck.nas").write_bytes(b"\n" * 3_000_000)
+    assert source.Sources().add(tmp_path / "deck.nas").line_of(2_900_000) == 2_900_001
 
 
 def test_numbers_of_any_length(tmp_path: Path) -> None:
