@@ -253,6 +253,11 @@ REFUSED = {
     "same four nodes": ("CTETRA,2,1,4,3,2,1\n", 6, "has the same four nodes as an earlier one"),
     "GRID twice": ("GRID,5,,0.,0.,0.\n$\nGRID,5,,0.,0.,1.\n", 3, "GRID 5 twice, at different places"),
     "tetra twice": ("GRID,5,,9.,9.,9.\nCTETRA,1,1,5,3,2,1\n", 7, "CTETRA 1 twice"),
+    "two tetras twice": (
+        "GRID,5,,9.,9.,9.\nGRID,6,,8.,8.,7.\nCTETRA,7,1,5,6,2,1\nCTETRA,1,1,5,3,2,1\nCTETRA,7,1,6,3,4,5\n",
+        5,
+        "CTETRA 7 twice",
+    ),
     "id not a number": ("GRID,1x,,0.,0.,0.\n", 1, "'1x' is not a whole number above 0"),
     "id zero": ("CTETRA,0,1,1,2,3,4\n", 1, "'0' is not a whole number above 0"),
     "id blank": ("GRID,,,0.,0.,0.\n", 1, "'' is not a whole number above 0"),
