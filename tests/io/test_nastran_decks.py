@@ -252,6 +252,7 @@ def test_unknown_system_is_taken_as_basic_with_one_warning(tmp_path: Path) -> No
         ("CORD1R,7,1,2,3\n", 6, "coordinate system 7 needs itself"),
         ("CORD1R,7,11,12,13\n", 6, "uses GRID 11, which does not exist"),
         ("CORD2R,7,,0.,0.,0.,0.,0.,1.,+\n+,0.,0.,5.\n", 6, "its three points lie on one line"),
+        ("CORD2R,7,,0.,0.,0.,0.,0.,1.,+\n+,1.-14,0.,5.\n", 6, "its three points lie on one line"),
         ("CORD2R,7\n", 6, "its three points lie on one line"),
         ("CORD2R,7,,x\n", 6, "CORD2R: 'x' is not a number"),
         ("CORD2R,7,,inf\n", 6, "CORD2R: 'inf' is not a number"),
