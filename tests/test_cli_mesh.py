@@ -24,7 +24,7 @@ FAULTY = [[0, 1, 2, 3], [1, 2, 3, 4], [1, 2, 3, 5], [3, 2, 1, 0], [7, 7, 7, 6]]
 @pytest.fixture(autouse=True)
 def patient(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing takes long, even where the kernels have yet to be compiled."""
-    monkeypatch.setattr("tetrabench.cli.PATIENCE", 3600.0)
+    monkeypatch.setattr("tetrabench.cli.speech.PATIENCE", 3600.0)
 
 
 @pytest.fixture
