@@ -125,9 +125,7 @@ def make_memory(backend: str, *, model: str = "nozzle", **changes: Any) -> Memor
     return Memory(model=model, backend=backend, **{**facts, **changes})
 
 
-def make_sample(
-    task: str, backend: str, launch: int = 0, round: int = 0, cpu_s: float = 1.0, **changes: Any
-) -> Sample:
+def make_sample(task: str, backend: str, launch: int = 0, round: int = 0, cpu_s: float = 1.0, **changes: Any) -> Sample:
     """A sample of a task whose answer is right; alfa and flow had to move 400 GB at least."""
     facts: dict[str, Any] = {
         "model": "nozzle",

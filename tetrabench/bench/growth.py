@@ -84,19 +84,17 @@ def _grown(rows: Sequence[Row], samples: Iterable[Sample], sizes: dict[str, int]
     known = sorted({sizes[model] for model in used})
     facts = {"task": rows[0].task, "backend": rows[0].backend, "clock": clock, "sizes": len(known)}
     facts |= {"smallest": known[0], "largest": known[-1]} if known else {}
-    points: dict[int, list[tuple[float, float]]] = {}  # by launch: ln size, ln time
+    points: dict[int, list[tuple[int, float]]] = {}  # by launch: size, seconds
     for model in used:
         for launch, times in seconds[model].items():
-            points.setdefault(launch, []).append((math.log(sizes[model]), math.log(median(times))))
-    exponents = [linear_regression(*zip(*launch, strict=True)).slope for launch in points.values() if _is_ladder(launch)]
+            points.setdefault(launch, []).append((sizes[model], median(times)))
+    exponents = [_slope(launch) for launch in points.values() if _is_ladder(launch)]
     # interval_over takes logarithms: the factor by which time grows with an e-fold size
     factor = interval_over(exponents, confidence)
     if factor is None:
         return Growth(**facts, reason=_why_not(rows, used, known))
     exponent, low, high = map(math.log, factor[:3])
-    return Growth(
-        **facts, exponent=exponent, low=low, high=high, is_whole=factor.is_whole, launches=len(exponents)
-    )
+    return Growth(**facts, exponent=exponent, low=low, high=high, is_whole=factor.is_whole, launches=len(exponents))
 
 
 def _is_long(row: Row, seconds: dict[int, list[float]]) -> bool:
@@ -104,15 +102,23 @@ def _is_long(row: Row, seconds: dict[int, list[float]]) -> bool:
     return sum(map(len, seconds.values())) == row.samples
 
 
-def _is_ladder(points: Sequence[tuple[float, float]]) -> bool:
-    """Whether these sizes carry a fit."""
+def _is_ladder(points: Sequence[tuple[int, float]]) -> bool:
+    """Whether the sizes carry a fit."""
     sizes = {size for size, _ in points}
-    return len(sizes) >= FEWEST_SIZES and max(sizes) - min(sizes) >= math.log(WIDEST)
+    return len(sizes) >= FEWEST_SIZES and max(sizes) >= WIDEST * min(sizes)
+
+
+def _slope(points: Sequence[tuple[int, float]]) -> float:
+    """Of ln(time) over ln(size)."""
+    logs = ([math.log(part) for part in parts] for parts in zip(*points, strict=True))
+    return linear_regression(*logs).slope
 
 
 def _why_not(rows: Sequence[Row], used: Sequence[str], sizes: Sequence[int]) -> str:
     """Why there is no exponent, in words."""
     needs = f"a fit needs {FEWEST_SIZES} sizes over a factor of {WIDEST:g}"
     has = f"{len(sizes)} over {sizes[-1] / sizes[0]:.3g}" if sizes else "none"
-    lost = [f"{row.model} {row.verdict if row.status != 'ok' else 'too short'}" for row in rows if row.model not in used]
+    lost = [
+        f"{row.model} {row.verdict if row.status != 'ok' else 'too short'}" for row in rows if row.model not in used
+    ]
     return f"{needs}, there are {has}" + (f" ({', '.join(lost)})" if lost else "")

@@ -89,9 +89,7 @@ def _answers(part: Part) -> Sheet:
     return Sheet(
         title=part.title,
         head=["scenario", *_heads(part)],
-        rows=[
-            [Cell(task), *(words.get((task, one.name), Cell("")) for one in part.backends)] for task in part.tasks
-        ],
+        rows=[[Cell(task), *(words.get((task, one.name), Cell("")) for one in part.backends)] for task in part.tasks],
         notes=list(notes.about_part(part)),
     )
 
@@ -163,7 +161,11 @@ def _share(part: Part, task: str, backend: Backend) -> str:
 def _costs(part: Part, columns: int) -> list[list[Cell]]:
     """Memory, and the time before the first sample; `columns` stand before the contestants."""
     lines: list[tuple[str, str, dict[str, str]]] = [
-        (kind, f"B/{part.item}", {name: f"{size:,.0f}" if isinstance(size, float) else size for name, size in sizes.items()})
+        (
+            kind,
+            f"B/{part.item}",
+            {name: f"{size:,.0f}" if isinstance(size, float) else size for name, size in sizes.items()},
+        )
         for kind, sizes in memory_of(part).items()
     ]
     if part.model == part.results.models[0]:

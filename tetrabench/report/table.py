@@ -59,7 +59,9 @@ def as_markdown(results: Results, *, intervals: bool = False) -> str:
     blocks = []
     for sheet in pages.sheets:
         rows = [[cell.text for cell in row] for row in (*sheet.rows, *sheet.costs)]
-        lines = [_line(sheet.head), _line(["---", *["---:"] * (len(sheet.head) - 1)])] + [_line(_escape(row)) for row in rows]
+        lines = [_line(sheet.head), _line(["---", *["---:"] * (len(sheet.head) - 1)])] + [
+            _line(_escape(row)) for row in rows
+        ]
         blocks += [f"**{sheet.title}**", "\n".join(lines)]
         blocks += ["\n".join(f"- {note}" for note in _escape(sheet.notes))] if sheet.notes else []
     return "\n\n".join([*blocks, "\n".join(f"- {note}" for note in _escape(pages.notes))]) + "\n"
