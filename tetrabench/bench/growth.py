@@ -8,6 +8,7 @@ work whatever the size; a little over 1 is what a sweep shows that leaves one ca
 import math
 from collections.abc import Iterable, Sequence
 from statistics import linear_regression, median
+from typing import Any
 
 import msgspec
 
@@ -82,7 +83,7 @@ def _grown(rows: Sequence[Row], samples: Iterable[Sample], sizes: dict[str, int]
             seconds.setdefault(sample.model, {}).setdefault(sample.launch, []).append(total / sample.repeats)
     used = [row.model for row in rows if row.status == "ok" and _is_long(row, seconds.get(row.model, {}))]
     known = sorted({sizes[model] for model in used})
-    facts = {"task": rows[0].task, "backend": rows[0].backend, "clock": clock, "sizes": len(known)}
+    facts: dict[str, Any] = {"task": rows[0].task, "backend": rows[0].backend, "clock": clock, "sizes": len(known)}
     facts |= {"smallest": known[0], "largest": known[-1]} if known else {}
     points: dict[int, list[tuple[int, float]]] = {}  # by launch: size, seconds
     for model in used:

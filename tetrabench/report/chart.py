@@ -72,7 +72,7 @@ def draw_times(part: Part) -> Figure:
     band = ALIKE if part.has_intervals else CLEAR
     top = find_top(list(groups.values()), 1.0)
     for axes, piece in zip(panels, pieces, strict=True):
-        axes.axhspan(1 / band, band, color="#e2e2e2", zorder=0, linewidth=0)
+        axes.axhspan(1 / band, band, color="#e8e8e8", zorder=0, linewidth=0)
         axes.axhline(1.0, color=EDGE, linewidth=0.8, zorder=1)
         draw_bars(axes, [groups[task] for task in piece], styles, top=top)
         axes.set_xticks(range(len(piece)), [_label(part, task) for task in piece])
@@ -176,9 +176,11 @@ def _times_caption(part: Part) -> str:
             f"{part.reference}. An interval within the grey band means the same, one that holds 1 ranks nothing: a hollow bar."
         )
     else:
+        spans = any(row.low != row.high for row in part.rows.values())
         ranks = (
-            "Launches are too few for intervals; whiskers show their range. Within the grey band nothing is ranked: hollow "
-            "bars are a hint."
+            "Launches are too few for intervals"
+            + ("; whiskers show their range. " if spans else ". ")
+            + "Within the grey band nothing is ranked: hollow bars are a hint."
         )
     return f"{part.title}. {about_machine(part.results)}. {clock}. {ranks} Bars with a gap are cut, their value above them."
 

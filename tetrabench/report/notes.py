@@ -137,7 +137,14 @@ def _about_signs(results: Results, rows: Sequence[Row], intervals: bool) -> Iter
             any(row.verdict in ("faster", "slower") and not row.is_bound for row in rows),
         ),
         f"all of the interval is within {percent(ALIKE - 1)} of 1": ("~1", "same" in verdicts and not intervals),
-        "so much at least": (">43x", any(row.is_bound for row in rows)),
+        "in every launch more than so many times": (
+            ">43x",
+            any(row.is_bound for row in rows if row.verdict == "slower"),
+        ),
+        "in every launch less than so many times": (
+            "<0.2x",
+            any(row.is_bound for row in rows if row.verdict == "faster"),
+        ),
         "the interval does not say which is faster": (
             "0.97-1.12?" if intervals else "unclear",
             "inconclusive" in verdicts,
