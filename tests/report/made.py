@@ -85,7 +85,7 @@ def make_sweep(seconds: Seconds, exponents: Mapping[str, float], sizes: Sequence
         part: [one for run in runs for one in getattr(run, part)]
         for part in ("models", "launches", "memory", "samples")
     }
-    return msgspec.structs.replace(runs[0], **joined)
+    return msgspec.structs.replace(runs[0], **joined, elapsed_s=sum(run.elapsed_s for run in runs))
 
 
 def make_backend(name: str, **changes: Any) -> Backend:
