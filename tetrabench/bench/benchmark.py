@@ -142,6 +142,8 @@ class _Run:
         self.agenda.resume(journal.run.samples)
         self.began = means.clock()
         self.launches: list[float] = []  # how long each took
+        self.weighers: list[Worker] = []
+        self.is_weighing = True
 
     def carry_out(self) -> Results:
         """All of it, or as much as there is time for."""
@@ -189,14 +191,29 @@ class _Run:
             if not backend.control and (model, backend.name) not in known
         ]
         with ThreadPoolExecutor(len(usable_cores())) as pool:
-            passes = pool.map(self._weigh, left)
-            for done, ((model, backend), memory) in enumerate(zip(left, passes, strict=True), 1):
-                self.progress.step("weighing", f"{backend.name} with {model}", done, len(left), None)
-                self.journal.write(memory)
+            try:
+                passes = pool.map(self._weigh, left)
+                for done, ((model, backend), memory) in enumerate(zip(left, passes, strict=True), 1):
+                    self.progress.step("weighing", f"{backend.name} with {model}", done, len(left), None)
+                    self.journal.write(memory)
+            except BaseException:
+                self.is_weighing = False
+                pool.shutdown(wait=False, cancel_futures=True)
+                for worker in self.weighers:  # the threads find them dead, and end
+                    worker.kill()
+                raise
 
     def _weigh(self, place: tuple[str, Backend]) -> Memory:
         model, backend = place
-        return weigh(lambda: self.means.weigh(backend), self.plan.family, backend, model, self.plan.models[model])
+
+        def spawn() -> Worker:
+            worker = self.means.weigh(backend)
+            self.weighers.append(worker)
+            if not self.is_weighing:
+                worker.kill()
+            return worker
+
+        return weigh(spawn, self.plan.family, backend, model, self.plan.models[model])
 
     # -- launches
 
