@@ -1,15 +1,21 @@
-"""A plug-in whose contestants behave as their names say. The fixture `plugin` installs it."""
+"""A plug-in whose contestants behave as their names say, mostly in the scenario `second` on the real model. The fixture
+`plugin` installs it."""
 
 import os
+import resource
 import signal
 import subprocess
 import sys
+import threading
+import time
 from dataclasses import dataclass
 from pathlib import Path
 
+from tetrabench.errors import InputError
 from tetrabench.protocols import Answer, Work
 
 HERE = Path(__file__).parent
+HEAVY_BYTES = 16 * 2**20
 
 
 @dataclass(frozen=True)
@@ -26,21 +32,38 @@ class Stage:
         self.contestant = contestant
         self.is_small = model.name == "small"
         self.chained = chained
-        self.visits = 0
+        self.visits = self.answers = 0
+        self.block = b""
 
     def model_size(self) -> dict[str, int]:
         return {"letters": 3}
 
     def structure_bytes(self) -> dict[str, tuple[int, int]]:
+        if self.block or self.contestant.name == "boasting":
+            return {"block": (HEAVY_BYTES, HEAVY_BYTES + 8)}
         return {"letters": (3, 4), "words": (10, 20)}
 
+    def build(self) -> None:
+        name = self.contestant.name
+        if name == "crashing-building" and not self.is_small:
+            os.kill(os.getpid(), signal.SIGSEGV)
+        if name == "raising-building" and not self.is_small:
+            raise ValueError("cannot stand")
+        if name == "greedy-building" and not self.is_small:
+            raise MemoryError
+        if name in ("heavy", "wasteful") and not self.is_small:
+            scaffold = bytearray(b"x") * (3 * HEAVY_BYTES) if name == "wasteful" else b""
+            self.block = bytearray(b"x") * HEAVY_BYTES
+            del scaffold
+
     def close(self) -> None:
-        pass
+        self.block = b""
 
 
 @dataclass(frozen=True)
 class Scenario:
     name: str
+    parallel: bool = False
     title: str = "scripted"
     family: str = "scripted"
 
@@ -65,29 +88,79 @@ class Scenario:
         if name == "chatty":
             print("hello")
             os.write(1, b'{"type":"Done","wall_s":1}\n')
-            subprocess.run([sys.executable, "-c", "print('hello from a child', input)"], check=True)
+            subprocess.run(["echo", "hello from a child"], check=True)
             print(repr(sys.stdin.read()))
-        if self.name == "second":
-            if name == "crashing" and not stage.is_small:
-                os.kill(os.getpid(), signal.SIGSEGV)
-            if name == "crashing-small" and stage.is_small:
-                os.kill(os.getpid(), signal.SIGSEGV)
-            if name == "raising" and not stage.is_small:
-                raise ValueError("I would rather not\nsecond line")
-            if name == "leaving":
-                sys.exit(4)
+        if self.parallel or name == "threaded":
+            helper = threading.Thread(target=spin)
+            helper.start()
+            helper.join()
+        if self.name == "second" and name == "crashing-small" and stage.is_small:
+            os.kill(os.getpid(), signal.SIGSEGV)
+        if self.name == "second" and not stage.is_small:
+            if name == "parenting":
+                return subprocess.Popen(["sleep", "600"]).pid
+            misbehave(name)
         return count
 
     def answer(self, subject: tuple[Stage, int], outcome: int) -> Answer:
         stage, _ = subject
+        name = stage.contestant.name
+        stage.answers += 1
         threads = int(os.environ["NUMBA_NUM_THREADS"])
-        if stage.contestant.name == "wrong" and self.name == "second":
+        figures = {"count": outcome, "threads": threads, "sum": 0.5}
+        if self.name == "second" and name == "wrong":
             return Answer("bad0", {"count": 41, "threads": threads, "sum": float("nan")})
+        if self.name == "second" and name == "unstable" and not stage.is_small and stage.answers % 2:
+            return Answer("bad1", figures)
+        if self.name == "second" and name == "verbose":
+            figures |= {f"figure {k}": float(k) for k in range(200_000)}
+        if self.name == "second" and name == "mumbling" and not stage.is_small:
+            return Answer(object(), figures)
         visits = stage.visits if stage.chained else 0
-        return Answer(f"{outcome}{visits}", {"count": outcome, "threads": threads, "sum": 0.5})
+        return Answer(f"{outcome}{visits}", figures)
 
     def work(self, subject: tuple[Stage, int], outcome: int) -> Work:
         return Work(outcome, "letters")
+
+
+def spin() -> None:
+    """Keep a core busy for 30 ms of its time."""
+    while time.thread_time() < 0.03:
+        pass
+
+
+def misbehave(name: str) -> None:
+    match name:
+        case "crashing":
+            os.kill(os.getpid(), signal.SIGSEGV)
+        case "killed":
+            os.kill(os.getpid(), signal.SIGKILL)
+        case "raising":
+            raise ValueError("I would rather not\nsecond line")
+        case "leaving":
+            sys.exit(4)
+        case "gone":
+            os._exit(4)
+        case "interrupting":
+            raise KeyboardInterrupt
+        case "recursive":
+            misbehave(name)
+        case "hanging":
+            time.sleep(600)
+        case "greedy":
+            limit, _ = resource.getrlimit(resource.RLIMIT_AS)
+            if limit != resource.RLIM_INFINITY:
+                bytearray(limit)  # more than is left of it
+        case "closing":
+            if not sys.stdout.closed:
+                sys.stdout.close()  # with the file below it
+        case "deaf":
+            os.closerange(3, 100)
+            time.sleep(600)
+        case "orphaning":  # dies, and leaves a child behind that holds its pipes
+            if os.fork() == 0:
+                time.sleep(600)
+            os.kill(os.getpid(), signal.SIGSEGV)
 
 
 class Family:
@@ -97,7 +170,13 @@ class Family:
     models = {"tiny": "three letters"}
 
     def find_model(self, model: str, *, size: int | None, numbering: str, seed: int) -> Path:
-        return HERE / "model"
+        if model == "missing":
+            raise InputError(f"{model}: no such file")
+        if model == "dying":
+            os.kill(os.getpid(), signal.SIGSEGV)
+        path = HERE / (f"model-{size}" if size else "model")
+        path.write_text("abc")
+        return path
 
     def small_model(self) -> Path:
         return HERE / "small"
@@ -107,6 +186,10 @@ class Family:
 
 
 FAMILY = Family()
-NAMES = "steady other third chatty lazy wrong raising crashing crashing-small leaving"
+NAMES = (
+    "steady other third chatty lazy wrong raising crashing crashing-small leaving gone killed interrupting recursive"
+    " hanging greedy closing deaf orphaning parenting unstable verbose mumbling threaded"
+    " heavy wasteful boasting crashing-building raising-building greedy-building"
+)
 CONTESTANTS = [Contestant(name) for name in NAMES.split()]
-SCENARIOS = [Scenario("first"), Scenario("second"), Scenario("third")]
+SCENARIOS = [Scenario("first"), Scenario("second"), Scenario("third"), Scenario("many", parallel=True)]

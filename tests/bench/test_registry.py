@@ -13,7 +13,7 @@ class TestNames:
     def test_a_plug_in_is_found(self):
         assert "scripted" in [family.name for family in registry.families()]
         assert registry.family("scripted").reference == "steady"
-        assert [scenario.name for scenario in registry.scenarios("scripted")] == ["first", "second", "third"]
+        assert [scenario.name for scenario in registry.scenarios("scripted")] == ["first", "second", "third", "many"]
         assert registry.contestant("scripted", "chatty").title == "scripted"
         assert registry.scenario("scripted", "second").name == "second"
         assert "steady" in [contestant.name for contestant in registry.contestants("scripted")]
@@ -35,7 +35,7 @@ class TestNames:
     def test_an_unknown_name_gets_the_nearest_one_and_the_list(self):
         with pytest.raises(InputError, match=r"no backend 'chaty'; did you mean 'chatty'.*there are: steady, other"):
             registry.contestant("scripted", "chaty")
-        with pytest.raises(InputError, match="no scenario 'zzz'; there are: first, second, third"):
+        with pytest.raises(InputError, match="no scenario 'zzz'; there are: first, second, third, many"):
             registry.scenario("scripted", "zzz")
         with pytest.raises(InputError, match="no family 'script'; did you mean 'scripted'"):
             registry.contestants("script")

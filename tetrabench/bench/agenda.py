@@ -1,6 +1,6 @@
 """What is left to do in a run, how that stands with each cell, and how long it will take."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from statistics import fmean
 from typing import NamedTuple
 
@@ -23,11 +23,25 @@ class End(NamedTuple):
     reason: str
 
 
-Begun = tuple[str, str, int, int, int]  # model, task, launch, group, round
+class Round(NamedTuple):
+    """Where turns come to stand: all names and numbers are those of the plan."""
+
+    model: str
+    task: str
+    launch: int
+    group: int
+    round: int
+
+
+HOPELESS = 10.0
+"""A contestant that takes so many times the reference's time in the first round gets fewer rounds."""
 
 
 class Agenda:
     """The turns still to be taken, cell by cell, through all launches, and what the turns of a cell have cost so far.
+
+    It knows no more than the samples say, so that a run that was broken off and resumed has the turns that it would
+    have had.
 
     The remaining time is an estimate: a cell's turns cost what its earlier ones did; before its first, what
     the reference's cost in the same task, times how much slower this backend was elsewhere; before
@@ -35,8 +49,8 @@ class Agenda:
 
     Attributes:
         ends: cells that are over before their time.
+        told: those of them that a sample tells of.
         repeats: how often a scenario runs in one sample, by model and task, once that is known.
-        begun: rounds that have had a sample.
         done: turns taken.
     """
 
@@ -55,40 +69,69 @@ class Agenda:
         self._sparse: set[Cell] = set()
         compared = {one.name for one in plan.backends if one.against != one.name and not one.control}
         self._compared = compared or {one.name for one in plan.backends}
+        self._against = {one.name: one.against for one in plan.backends}
+        self._parallel = {task.name for task in plan.tasks if task.parallel}
+        self._taken: set[tuple[Cell, int, int, int]] = set()
+        self._firsts: dict[Round, dict[str, float]] = {}  # seconds of the first turns of all
         self.ends: dict[Cell, End] = {}
+        self.told: set[Cell] = set()
         self.repeats: dict[tuple[str, str], int] = {}
-        self.begun: set[Begun] = set()
         self.done = 0
 
     def resume(self, samples: Iterable[Sample]) -> None:
         """Take over what an earlier run has done."""
         for sample in samples:
-            cell = Cell(sample.model, sample.task, sample.backend)
-            if sample.status != "ok":
-                self.end(cell, End(sample.status, sample.reason))
-                continue
-            self.begun.add((sample.model, sample.task, sample.launch, sample.group, sample.round))
-            self.repeats[sample.model, sample.task] = sample.repeats
-            self.took(cell, sample.prepare_s + (sample.wall_s or 0.0) + sample.answer_s)
+            self.took(sample, sample.prepare_s + (sample.wall_s or 0.0) + sample.answer_s)
+            if sample.status == "ok":
+                self.repeats[sample.model, sample.task] = sample.repeats
+        for first in self._firsts:
+            self.spare_the_hopeless(first)
 
     @property
     def total(self) -> int:
         """Turns of the whole run, as far as one knows by now."""
         return self.done + sum(self._left.values())
 
-    def has_turn(self, cell: Cell, round: int) -> bool:
-        """Whether a cell takes part in this round of a launch. References do as long as somebody is left."""
-        if cell.backend not in self._compared:
-            return cell not in self.ends
-        return self._left[cell] > 0 and (round == 0 or cell not in self._sparse)
+    def takers(self, place: Round, names: Sequence[str]) -> list[str]:
+        """Who takes part in a round, has had a turn in it or has yet to have it, in the order of `names`.
+
+        References do as long as somebody does whom they are compared with.
+        """
+        compared = {name for name in names if name in self._compared and self._takes_part(place, name)}
+        return [
+            name
+            for name in names
+            if name in compared
+            or (
+                compared
+                and name not in self._compared
+                and (self.has_had(place, name) or not self._has_ended(place, name))
+            )
+        ]
+
+    def to_come(self, place: Round, names: Sequence[str]) -> list[str]:
+        """Those of the `takers` who have not had their turn."""
+        return [name for name in self.takers(place, names) if not self.has_had(place, name)]
+
+    def has_had(self, place: Round, name: str) -> bool:
+        """Whether a backend has had its turn in a round."""
+        return self._turn(place, name) in self._taken
+
+    def _takes_part(self, place: Round, name: str) -> bool:
+        cell = Cell(place.model, place.task, name)
+        return self.has_had(place, name) or (self._left[cell] > 0 and (place.round == 0 or cell not in self._sparse))
+
+    def _has_ended(self, place: Round, name: str) -> bool:
+        return Cell(place.model, place.task, name) in self.ends
+
+    def _turn(self, place: Round, name: str) -> tuple[Cell, int, int, int]:
+        """A reference has a turn in each group, others are in one of them, whichever that is."""
+        group = place.group if name not in self._compared else 0
+        return Cell(place.model, place.task, name), place.launch, group, place.round
 
     def is_over(self, model: str, task: str) -> bool:
         """Whether nobody is left whom a task has to compare."""
         return not any(self._left[Cell(model, task, name)] for name in self._compared)
-
-    def is_compared(self, backend: str) -> bool:
-        """Whether a reference is there for this one; or it is a reference, where nobody else takes part."""
-        return backend in self._compared
 
     def end(self, cell: Cell, end: End) -> None:
         """Close a cell for good."""
@@ -98,17 +141,34 @@ class Agenda:
     def close(self, cell: Cell) -> None:
         """Let a cell have no more turns."""
         self._left[cell] = 0
+        if self.is_over(cell.model, cell.task):
+            for backend in self._plan.backends:
+                self._left[cell._replace(backend=backend.name)] = 0
 
-    def spare(self, cell: Cell, turns: int) -> None:
-        """Leave a cell `turns` more turns at most, one a launch."""
-        self._left[cell] = min(turns, self._left[cell])
-        self._sparse.add(cell)
+    def spare_the_hopeless(self, first: Round) -> None:
+        """After the first round of all leave those cells few turns, one a launch, that it shows to be hopeless."""
+        seconds = self._firsts.get(first, {})
+        for name, mine in seconds.items():
+            if mine > HOPELESS * seconds.get(self._against[name], mine):
+                cell = Cell(first.model, first.task, name)
+                left = self._plan.effort.hopeless_rounds - len(self._costs[cell])
+                self._left[cell] = max(0, min(left, self._left[cell]))
+                self._sparse.add(cell)
 
-    def took(self, cell: Cell, seconds: float) -> None:
+    def took(self, sample: Sample, seconds: float) -> None:
         """Book a turn: wall time with its preparation and its answer."""
+        place = Round(sample.model, sample.task, sample.launch, sample.group, sample.round)
+        cell = Cell(sample.model, sample.task, sample.backend)
+        self._taken.add(self._turn(place, sample.backend))
         self._costs.setdefault(cell, []).append(seconds)
         self._left[cell] = max(0, self._left[cell] - 1)
         self.done += 1
+        if sample.status != "ok":
+            self.told.add(cell)
+            self.end(cell, End(sample.status, sample.reason))
+        elif place.launch == place.round == 0:
+            spent = sample.wall_s if sample.task in self._parallel else sample.cpu_s
+            self._firsts.setdefault(place, {})[sample.backend] = spent or 0.0
 
     def launched(self, seconds: float) -> None:
         """Book the wall time that it took until all workers of a launch were ready."""

@@ -16,17 +16,20 @@ def judge(samples: Iterable[Sample], backends: Iterable[Backend]) -> list[Sample
 
     In each task on each model every contestant has one vote for each answer that it gave; a control has none, for
     it would be its reference's second. Right is what more than half of the contestants say, and more than say
-    anything else; where there is no such answer, all are wrong.
+    anything else; where there is no such answer, all are wrong. Where nobody with a vote gave an answer, nobody is judged.
     """
     voters = {backend.name for backend in backends if not backend.control}
     cells: dict[tuple[str, str], list[Sample]] = {}
     samples = list(samples)
     for sample in samples:
         cells.setdefault((sample.model, sample.task), []).append(sample)
-    right = {place: _majority(sample for sample in cell if sample.backend in voters) for place, cell in cells.items()}
+    votes = {
+        place: [one for one in cell if one.backend in voters and one.status == "ok"] for place, cell in cells.items()
+    }
+    right = {place: _majority(cell) for place, cell in votes.items()}
     wavering = {place: _wavering(cell) for place, cell in cells.items()}
     return [
-        _mark(sample, right[place], cells[place], sample.backend in wavering[place])
+        _mark(sample, right[place], cells[place], sample.backend in wavering[place]) if votes[place] else sample
         for sample in samples
         if (place := (sample.model, sample.task))
     ]
@@ -34,7 +37,7 @@ def judge(samples: Iterable[Sample], backends: Iterable[Backend]) -> list[Sample
 
 def _majority(samples: Iterable[Sample]) -> Sample | None:
     """A sample with the right answer."""
-    said = {(sample.backend, sample.digest): sample for sample in samples if sample.status == "ok"}
+    said = {(sample.backend, sample.digest): sample for sample in samples}
     votes = Counter(digest for _, digest in said).most_common(2)
     if not votes or (len(votes) == 2 and votes[0][1] == votes[1][1]):
         return None

@@ -9,7 +9,7 @@ from time import perf_counter
 
 import msgspec
 
-from tetrabench.bench.agenda import Agenda, Cell
+from tetrabench.bench.agenda import Agenda, Cell, Round
 from tetrabench.bench.answers import judge
 from tetrabench.bench.environment import cpu_ticks, describe_environment, load, steal_share, usable_cores
 from tetrabench.bench.groups import make_groups
@@ -143,6 +143,8 @@ class _Run:
         self.agenda.resume(journal.run.samples)
         self.began = means.clock()
         self.launches: list[float] = []  # how long each took
+        self.weighers: list[Worker] = []
+        self.is_weighing = True
 
     def carry_out(self) -> Results:
         """All of it, or as much as there is time for."""
@@ -152,14 +154,15 @@ class _Run:
             if self.plan.has_memory:
                 self._weigh_all()
             for launch in range(self.plan.effort.launches):
-                if not self._has_time():
-                    ended = "budget"
-                    break
-                begin = self.means.clock()
-                for model in self.plan.models:
-                    self._launch(model, launch)
-                self.launches.append(self.means.clock() - begin)
-                self._close_narrow_cells()
+                if not all(self._is_done(model, launch) for model in self.plan.models):
+                    if not self._has_time():
+                        ended = "budget"
+                        break
+                    begin = self.means.clock()
+                    for model in self.plan.models:
+                        self._launch(model, launch)
+                    self.launches.append(self.means.clock() - begin)
+                self._close_narrow_cells(launch)
         except KeyboardInterrupt:
             ended = "interrupted"
         run = self.journal.run
@@ -189,25 +192,37 @@ class _Run:
             if not backend.control and (model, backend.name) not in known
         ]
         with ThreadPoolExecutor(len(usable_cores())) as pool:
-            passes = pool.map(self._weigh, left)
-            for done, ((model, backend), memory) in enumerate(zip(left, passes, strict=True), 1):
-                self.progress.step("weighing", f"{backend.name} with {model}", done, len(left), None)
-                self.journal.write(memory)
+            try:
+                passes = pool.map(self._weigh, left)
+                for done, ((model, backend), memory) in enumerate(zip(left, passes, strict=True), 1):
+                    self.progress.step("weighing", f"{backend.name} with {model}", done, len(left), None)
+                    self.journal.write(memory)
+            except BaseException:
+                self.is_weighing = False
+                pool.shutdown(wait=False, cancel_futures=True)
+                for worker in self.weighers:  # the threads find them dead, and end
+                    worker.kill()
+                raise
 
     def _weigh(self, place: tuple[str, Backend]) -> Memory:
         model, backend = place
-        return weigh(lambda: self.means.weigh(backend), self.plan.family, backend, model, self.plan.models[model])
+
+        def spawn() -> Worker:
+            worker = self.means.weigh(backend)
+            self.weighers.append(worker)
+            if not self.is_weighing:
+                worker.kill()
+            return worker
+
+        return weigh(spawn, self.plan.family, backend, model, self.plan.models[model])
 
     # -- launches
 
     def _launch(self, model: str, launch: int) -> None:
         """All tasks on one model with a fresh set of workers, group by group."""
-        run = self.journal.run
-        if all(self.agenda.is_over(model, task.name) for task in self.plan.tasks) or self._is_done(model, launch):
-            return
-        weighed = [one for one in run.memory if one.model == model]
-        groups = make_groups(run.backends, weighed, available_bytes())
-        for number, group in enumerate(groups):
+        for number, group in enumerate(self._groups(model)):
+            if not self._is_wanted(model, launch, number, group):
+                continue
             begun, begin, ticks = _now(), self.means.clock(), cpu_ticks()
             ring = Ring(
                 self.plan,
@@ -247,9 +262,24 @@ class _Run:
                 )
             )
 
+    def _groups(self, model: str) -> list[list[Backend]]:
+        weighed = [one for one in self.journal.run.memory if one.model == model]
+        return make_groups(self.journal.run.backends, weighed, available_bytes())
+
     def _is_done(self, model: str, launch: int) -> bool:
-        """Whether an earlier run, which this one resumes, has ended a launch."""
-        return any((one.model, one.launch) == (model, launch) for one in self.journal.run.launches)
+        """Whether a launch has nothing to do: all is over, or was done by an earlier run, which this one resumes."""
+        return not any(
+            self._is_wanted(model, launch, number, group) for number, group in enumerate(self._groups(model))
+        )
+
+    def _is_wanted(self, model: str, launch: int, number: int, group: Sequence[Backend]) -> bool:
+        """Whether somebody of a group has a turn to come in a launch."""
+        names = [backend.name for backend in group]
+        return any(
+            self.agenda.to_come(Round(model, task.name, launch, number, round), names)
+            for task in self.plan.tasks
+            for round in range(self.plan.effort.rounds)
+        )
 
     def _learn(self, ring: Ring, model: str, launch: int) -> None:
         """Write down what has become known about the model and the contestants."""
@@ -277,11 +307,12 @@ class _Run:
             worker.kill()
         return reply.yardsticks if isinstance(reply, Gauged) else None
 
-    def _close_narrow_cells(self) -> None:
-        """End the cells whose interval is narrow enough."""
+    def _close_narrow_cells(self, launch: int) -> None:
+        """End the cells whose interval is narrow enough after this launch."""
         if not self.plan.effort.narrow:
             return
-        for row in summary(self.journal.run):
+        samples = [one for one in self.journal.run.samples if one.launch <= launch]
+        for row in summary(msgspec.structs.replace(self.journal.run, samples=samples)):
             has_interval = row.verdict in ("faster", "slower", "same", "inconclusive") and not row.is_bound
             if has_interval and row.low and row.high and row.high / row.low - 1 < self.plan.effort.narrow:
                 self.agenda.close(Cell(row.model, row.task, row.backend))

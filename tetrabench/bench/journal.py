@@ -17,6 +17,7 @@ from filelock import FileLock, Timeout
 from tetrabench.bench.record import SCHEMA, Backend, Launch, Memory, Model, Results, Sample
 from tetrabench.errors import InputError
 
+SUFFIX = ".jsonl"
 _FACTS = ("family", "profile", "tasks", "reference", "effort", "seed")
 """What must be the same in a run that is resumed; models and backends too, and of the environment:"""
 _ENVIRONMENT = ("processor", "cores", "python", "numpy", "numba", "llvmlite", "tetrabench", "revision")
@@ -31,6 +32,16 @@ class _Line(msgspec.Struct, omit_defaults=True):
     memory: Memory | None = None
     launch: Launch | None = None
     sample: Sample | None = None
+
+
+class _Schema(msgspec.Struct, frozen=True):
+    schema: str = ""
+
+
+class _First(msgspec.Struct):
+    """Of a first line what all versions agree on."""
+
+    run: _Schema = _Schema()
 
 
 class Journal:
@@ -84,37 +95,71 @@ def open_journal(run: Results, target: Path | None, *, resume: bool = False) -> 
         yield Journal(run)
         return
     path = journal_path(target)
-    lock = target.with_name(f".{target.name}.lock")
-    try:
-        with FileLock(lock, timeout=0), _open(path, run, resume) as journal:
-            yield journal
-    except Timeout as error:
-        raise InputError(f"{target}: another run is writing there; give this one another file") from error
-    except OSError as error:
-        raise InputError(f"{path}: cannot write: {error.strerror}") from error
-    with suppress(OSError):
-        lock.unlink()
+    with _locked(path, target), _resume(path, run) if resume else _begin(path, run) as journal:
+        yield journal
 
 
 @contextmanager
-def _open(path: Path, run: Results, resume: bool) -> Iterator[Journal]:
-    if not resume:
-        try:
-            file = path.open("xb")
-        except FileExistsError:
-            raise InputError(
-                f"{path}: a run that was broken off; go on with it by --resume, or remove that file"
-            ) from None
-        with file:
-            journal = Journal(run, file)
+def _locked(path: Path, target: Path) -> Iterator[None]:
+    """Nobody else writes to this journal meanwhile."""
+    lock = FileLock(path.with_name(f".{path.name}.lock"))
+    try:
+        lock.acquire(timeout=0)
+    except Timeout as error:
+        raise InputError(f"{target}: another run is writing there; give this one another file") from error
+    except OSError as error:
+        raise _cannot_write(path, error) from error
+    try:
+        yield
+    finally:
+        with suppress(OSError):
+            os.unlink(lock.lock_file)  # before it is released: nobody else has it yet
+        lock.release()
+
+
+@contextmanager
+def _begin(path: Path, run: Results) -> Iterator[Journal]:
+    try:
+        file = path.open("xb")
+    except FileExistsError:
+        raise InputError(f"{path}: a run that was broken off; go on with it by --resume, or remove that file") from None
+    except OSError as error:
+        raise _cannot_write(path, error) from error
+    journal = Journal(run, file)
+    try:
+        with _closing(file):
             journal.begin()
             yield journal
-        return
+    except BaseException:
+        if not (run.samples or run.memory):  # there is nothing to go on with
+            path.unlink(missing_ok=True)
+        raise
+
+
+@contextmanager
+def _resume(path: Path, run: Results) -> Iterator[Journal]:
     earlier, size = read_journal(path)
     _refuse_another(path, earlier, run)
-    os.truncate(path, size)  # a line that was cut off
-    with path.open("ab") as file:
+    try:
+        os.truncate(path, size)  # a line that was cut off
+        file = path.open("ab")
+    except OSError as error:
+        raise _cannot_write(path, error) from error
+    with _closing(file):
         yield Journal(earlier, file)
+
+
+@contextmanager
+def _closing(file: IO[bytes]) -> Iterator[None]:
+    try:
+        yield
+    finally:
+        with suppress(OSError):  # what could not be written has been told
+            file.close()
+
+
+def _cannot_write(path: Path, error: OSError) -> InputError:
+    return InputError(f"{path}: cannot write: {error.strerror}")
 
 
 def finish(target: Path | None) -> None:
@@ -124,12 +169,19 @@ def finish(target: Path | None) -> None:
 
 
 def journal_path(target: Path) -> Path:
-    """The journal's file."""
-    return target.with_suffix(".jsonl")
+    """The journal's file.
+
+    Raises:
+        InputError: it would be that of the results.
+    """
+    if target.suffix == SUFFIX:
+        raise InputError(f"{target}: in {SUFFIX} the journal of a run is written; save the results to another file")
+    return target.with_suffix(SUFFIX)
 
 
 def read_journal(path: Path) -> tuple[Results, int]:
-    """What a journal holds, and how many bytes of it are whole lines.
+    """What a journal holds that a run can go on from, and how many bytes of it that is: all lines that are whole. Of
+    a thesis they end with a launch: its net has gone with its worker.
 
     Raises:
         InputError: there is none, or it is no journal.
@@ -138,23 +190,29 @@ def read_journal(path: Path) -> tuple[Results, int]:
         data = path.read_bytes()
     except OSError as error:
         raise InputError(f"{path}: nothing to resume: {error.strerror}") from error
-    size = data.rfind(b"\n") + 1
-    run: Results | None = None
-    for number, text in enumerate(data[:size].splitlines(), 1):
-        try:
-            line = msgspec.json.decode(text, type=_Line)
-        except msgspec.DecodeError as error:
-            raise InputError(f"{path}:{number}: no journal of tetrabench: {error}") from error
+    texts = data.split(b"\n")[:-1]  # behind the last one is what was cut off
+    lines = [_read_line(path, number, text) for number, text in enumerate(texts, 1)]
+    if not lines or lines[0].run is None:
+        raise InputError(f"{path}: nothing to resume: {'its first line is no run' if lines else 'no line is whole'}")
+    run = lines[0].run
+    if run.profile == "thesis":
+        lines = lines[: max(number for number, line in enumerate(lines, 1) if line.launch or number == 1)]
+    for line in lines:
         part = line.model or line.backend or line.memory or line.launch or line.sample
-        if line.run is not None:
-            run = line.run
-        elif run is not None and part is not None:
+        if part is not None:
             run = _with(run, part)
-    if run is None:
-        raise InputError(f"{path}: nothing to resume: no line is whole")
-    if run.schema != SCHEMA:
-        raise InputError(f"{path}: schema {run.schema}, this version goes on with {SCHEMA}")
-    return run, size
+    return run, sum(len(text) + 1 for text in texts[: len(lines)])
+
+
+def _read_line(path: Path, number: int, text: bytes) -> _Line:
+    try:
+        if number == 1:
+            schema = msgspec.json.decode(text, type=_First).run.schema
+            if schema not in ("", SCHEMA):
+                raise InputError(f"{path}: schema {schema}, this version goes on with {SCHEMA}")
+        return msgspec.json.decode(text, type=_Line)
+    except msgspec.DecodeError as error:
+        raise InputError(f"{path}:{number}: no journal of tetrabench: {error}") from error
 
 
 def _with(run: Results, part: Model | Backend | Memory | Launch | Sample) -> Results:

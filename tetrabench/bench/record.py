@@ -245,8 +245,9 @@ def write_whole(path: Path, data: bytes) -> None:
         temporary.write_bytes(data)
         os.replace(temporary, path)
     except OSError as error:
-        temporary.unlink(missing_ok=True)
         raise InputError(f"{path}: cannot write: {error.strerror}") from error
+    finally:
+        temporary.unlink(missing_ok=True)
 
 
 def _spell(results: Results) -> bytes:

@@ -19,7 +19,7 @@ from typing import Any, Protocol
 
 import msgspec
 
-from tetrabench.bench.agenda import Agenda, Cell, End
+from tetrabench.bench.agenda import Agenda, Cell, End, Round
 from tetrabench.bench.environment import usable_cores
 from tetrabench.bench.messages import (
     Done,
@@ -40,8 +40,6 @@ from tetrabench.bench.record import Backend, Sample, Task
 from tetrabench.bench.spawn import WorkerDied
 from tetrabench.errors import InputError, MemoryRefusedError
 
-HOPELESS = 10.0
-"""A contestant that takes so many times the reference's CPU time in the first round gets fewer rounds."""
 LONG_S = 0.02
 """A sample repeats its scenario until it is so long, as far as it may."""
 MOST_REPEATS = 100
@@ -112,7 +110,7 @@ class Ring:
         self._cores = usable_cores()
         self.core = self._cores[-1 - launch % len(self._cores)]
         self._lock = Lock()  # of what the warming threads share: progress, seconds, and spawning against closing
-        self._warmed = 0
+        self._warmed = self._cells = 0
         self._closed = False
 
     @property
@@ -145,8 +143,10 @@ class Ring:
             MemoryRefusedError: by nobody, for want of memory.
         """
         begin = perf_counter()
+        wanted = {name: tasks for name, seat in self._seats.items() if (tasks := self._tasks_of(seat))}
+        self._cells = sum(map(len, wanted.values()))
         with ThreadPoolExecutor(len(self._cores)) as pool:
-            starts = [pool.submit(self._start, seat, self._tasks()) for seat in self._seats.values()]
+            starts = [pool.submit(self._start, self._seats[name], tasks) for name, tasks in wanted.items()]
             try:
                 for start in starts:
                     start.result()
@@ -156,16 +156,25 @@ class Ring:
         passed, worked = perf_counter() - begin, sum(self.seconds.values())
         for kind in self.seconds:  # it went on side by side
             self.seconds[kind] *= passed / worked if worked else 1.0
-        self._refuse_if_nobody_is_left()
+        self._refuse_if_there_is_no_memory()
 
-    def _tasks(self) -> list[Task]:
-        return [task for task in self._plan.tasks if not self._agenda.is_over(self._model, task.name)]
+    def _tasks_of(self, seat: _Seat) -> list[Task]:
+        """The tasks in which a contestant has turns to come in this launch."""
+        return [task for task in self._plan.tasks if any(seat.name in names for names in self._to_come(task))]
 
-    def _refuse_if_nobody_is_left(self) -> None:
-        tasks = self._tasks()
-        ends = [self._agenda.ends.get(self.cell(task, seat)) for seat in self._seats.values() for task in tasks]
+    def _to_come(self, task: Task) -> Iterator[list[str]]:
+        """Round after round, who has yet to have a turn."""
+        names = list(self._seats)
+        return (self._agenda.to_come(self._round(task, round), names) for round in range(self._plan.effort.rounds))
+
+    def _round(self, task: Task, round: int) -> Round:
+        return Round(self._model, task.name, self._launch, self._group, round)
+
+    def _refuse_if_there_is_no_memory(self) -> None:
+        cells = [self.cell(task, seat) for task in self._plan.tasks for seat in self._seats.values()]
+        ends = [self._agenda.ends.get(cell) for cell in cells]
         reasons = [end.reason for end in ends if end is not None and end.status == "oom"]
-        if ends and len(reasons) == len(ends):
+        if not self._agenda.done and len(reasons) == len(cells):  # else what there is shall not be lost
             raise MemoryRefusedError(reasons[0])
 
     def _start(self, seat: _Seat, tasks: Sequence[Task]) -> None:
@@ -221,49 +230,38 @@ class Ring:
             seat.compiled += reply.compiled
         with self._lock:
             self._warmed += 1
-            cells = len(self._seats) * len(self._tasks())
             phase = "compiling" if seat.compiled else "loading what was compiled"
             left = self._agenda.seconds_remaining()
-            self._progress.step(phase, f"{task.name} for {seat.name}", min(self._warmed, cells), cells, left)
+            self._progress.step(
+                phase, f"{task.name} for {seat.name}", min(self._warmed, self._cells), self._cells, left
+            )
         return seat.worker is not None
 
     # -- samples
 
     def measure(self, task: Task) -> Iterator[Sample]:
-        """All turns of a task in this launch, round after round."""
-        if self._agenda.is_over(self._model, task.name):
-            return
-        known = set(self._agenda.ends)
+        """All turns of a task in this launch that are to come, round after round, and what ended before its first."""
         for seat in self._seats.values():
             self._make_ready(seat, task)
-        if not self._plan.chained and self._plan.profile != "check":
+        if any(self._to_come(task)) and not self._plan.chained and self._plan.profile != "check":
             self._calibrate(task)
         for seat in self._seats.values():
-            cell = self.cell(task, seat)
-            if cell in self._agenda.ends and (cell not in known or self._launch == 0):
-                yield self._sample(task, seat, 0, 0, self._agenda.ends[cell])
+            if (cell := self.cell(task, seat)) in self._agenda.ends and cell not in self._agenda.told:
+                yield self._tell(task, seat, self._agenda.ends[cell])
         names = list(self._seats)
         for round, order in enumerate(self._plan.orders(self._model, task, self._launch, names)):
-            place = (self._model, task.name, self._launch, self._group, round)
-            if place in self._agenda.begun:
-                continue
-            samples: list[Sample] = []
-            takers = [name for name in order if self._agenda.has_turn(self.cell(task, self._seats[name]), round)]
-            if not any(map(self._agenda.is_compared, takers)):
-                break
-            for turn, name in enumerate(takers):
-                samples.append(self._take_turn(task, self._seats[name], round, turn))
-                yield samples[-1]
+            place = self._round(task, round)
+            for turn, name in enumerate(self._agenda.takers(place, order)):
+                if not self._agenda.has_had(place, name):
+                    yield self._take_turn(task, self._seats[name], round, turn)
             if round == 0 and self._launch == 0:
-                self._spare_the_hopeless(task, samples)
+                self._agenda.spare_the_hopeless(place)
 
     def _make_ready(self, seat: _Seat, task: Task) -> None:
         """A new worker for a contestant that has lost its own; and the cores that all share."""
-        cell = self.cell(task, seat)
         if seat.broken:
-            self._agenda.end(cell, End("skipped", seat.broken))
-        elif seat.worker is None and cell not in self._agenda.ends:
-            tasks = self._tasks()
+            self._agenda.end(self.cell(task, seat), End("skipped", seat.broken))
+        elif seat.worker is None and task in (tasks := self._tasks_of(seat)):
             self._start(seat, tasks[tasks.index(task) :])
         if seat.worker is not None:
             seat.worker.pin(set(self._cores) if task.parallel else {self.core})
@@ -285,13 +283,11 @@ class Ring:
                 self._agenda.end(cell, reply)
 
     def _take_turn(self, task: Task, seat: _Seat, round: int, turn: int) -> Sample:
-        cell = self.cell(task, seat)
         self._step(task, seat, round)
         begin = perf_counter()
         repeats = self._agenda.repeats.get((self._model, task.name), 1)
         reply = self._ask(seat, Measure(task.scenario, task.options, repeats))
-        self._agenda.begun.add((self._model, task.name, self._launch, self._group, round))
-        self._agenda.took(cell, perf_counter() - begin)
+        seconds = perf_counter() - begin
         if isinstance(reply, Measured):
             for kind, spent in (
                 ("preparing", reply.prepare_s),
@@ -301,24 +297,25 @@ class Ring:
                 self._book(kind, spent)
             if not seat.backend.structure:  # a stage may build its net when a scenario first asks for one
                 seat.learn(structure=reply.structure)
-        elif isinstance(reply, End):
-            self._agenda.end(cell, reply)
-            if self._plan.chained and reply.status != "unsupported":
-                seat.broken = f"worker {'failed' if reply.status == 'error' else 'was lost'} in {task.name}"
-        return self._sample(task, seat, round, turn, reply)
+        elif isinstance(reply, End) and self._plan.chained and reply.status != "unsupported":
+            seat.broken = f"worker {'failed' if reply.status == 'error' else 'was lost'} in {task.name}"
+        sample = self._sample(task, seat, round, turn, reply)
+        self._agenda.took(sample, seconds)
+        return sample
+
+    def _tell(self, task: Task, seat: _Seat, end: End) -> Sample:
+        """The record of a cell that ended otherwise than in its turn."""
+        self._agenda.told.add(self.cell(task, seat))
+        place = self._round(task, 0)
+        rounds = range(self._plan.effort.rounds)
+        free = (round for round in rounds if not self._agenda.has_had(place._replace(round=round), seat.name))
+        return self._sample(task, seat, next(free, 0), 0, end)
 
     def _step(self, task: Task, seat: _Seat, round: int) -> None:
         phase = f"launch {self._launch + 1} of {self._plan.effort.launches}"
         left = self._agenda.seconds_remaining()
         detail = f"{task.name}, {seat.name}, round {round + 1}"
         self._progress.step(phase, detail, self._agenda.done, self._agenda.total, left)
-
-    def _spare_the_hopeless(self, task: Task, samples: list[Sample]) -> None:
-        cpu_s = {sample.backend: sample.cpu_s for sample in samples if sample.cpu_s is not None}
-        for name, seconds in cpu_s.items():
-            seat = self._seats[name]
-            if seconds > HOPELESS * cpu_s.get(seat.backend.against, seconds):
-                self._agenda.spare(self.cell(task, seat), self._plan.effort.hopeless_rounds - 1)
 
     def _sample(self, task: Task, seat: _Seat, round: int, turn: int, reply: Reply | End) -> Sample:
         """The record of a turn, or of a cell that has none."""

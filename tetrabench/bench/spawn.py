@@ -5,8 +5,8 @@ import selectors
 import signal
 import subprocess
 import sys
-from collections.abc import Mapping
-from contextlib import suppress
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from tetrabench.bench.messages import Reply, Request, decode_reply, encode
@@ -72,6 +72,7 @@ class WorkerProcess:
         self._requests, self._replies = self._process.stdin, self._process.stdout
         self._timeout_s = timeout_s
         self._killed_before = _oom_kills()
+        self._is_over = False
 
     def ask(self, request: Request) -> Reply:
         """Send a request and wait for the reply.
@@ -103,8 +104,14 @@ class WorkerProcess:
         self.kill()
 
     def kill(self) -> None:
-        """End it."""
+        """End it, and all that it has started."""
+        if self._is_over:
+            return
+        self._is_over = True
         self._process.kill()
+        if hasattr(os, "killpg"):
+            with suppress(OSError):  # nobody is left
+                os.killpg(self._process.pid, signal.SIGKILL)
         self._process.wait()
         for pipe in (self._requests, self._replies):
             with suppress(OSError):  # there was something left to be sent
@@ -116,14 +123,16 @@ class WorkerProcess:
         Raises:
             TimeoutError: nothing came for too long.
         """
-        if self._timeout_s is None:
-            return self._replies.readline()
         line = b""
-        with selectors.DefaultSelector() as selector:
-            selector.register(self._replies, selectors.EVENT_READ)
+        with selectors.DefaultSelector() as selector, _watched(self._process.pid) as end:
+            for file in (self._replies, *end):
+                selector.register(file, selectors.EVENT_READ)
             while not line.endswith(b"\n"):
-                if not selector.select(self._timeout_s):
+                ready = [key.fileobj for key, _ in selector.select(self._timeout_s)]
+                if not ready:
                     raise TimeoutError
+                if self._replies not in ready:
+                    break  # it has died, though something that it has started still holds the pipe
                 part = os.read(self._replies.fileno(), _CHUNK)
                 if not part:
                     break
@@ -143,6 +152,19 @@ class WorkerProcess:
         if -code == signal.SIGKILL and _oom_kills() > self._killed_before:
             return WorkerDied("the system ran out of memory and killed it", "oom")
         return WorkerDied(f"signal {-code} ({signal.strsignal(-code)})")
+
+
+@contextmanager
+def _watched(pid: int) -> Iterator[list[int]]:
+    """Something to select that is ready once a process has ended, where the system has that."""
+    if not hasattr(os, "pidfd_open"):
+        yield []
+        return
+    end = os.pidfd_open(pid)
+    try:
+        yield [end]
+    finally:
+        os.close(end)
 
 
 def _oom_kills() -> int:

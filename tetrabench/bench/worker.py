@@ -10,6 +10,7 @@ import math
 import os
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from time import perf_counter
 from typing import Any, BinaryIO
@@ -38,6 +39,7 @@ from tetrabench.bench.messages import (
     Warm,
     Weigh,
     Weighed,
+    decode_reply,
     decode_request,
     encode,
 )
@@ -213,22 +215,27 @@ def _move_pipes() -> tuple[BinaryIO, BinaryIO]:
     return requests, replies
 
 
-def _stay_within_memory() -> None:
-    """Let an allocation that this machine has no memory for fail with MemoryError, rather than end the process, or
-    another one."""
-    held_to_available().__enter__()
-
-
 def main() -> None:
     """Serve requests until there are no more."""
     requests, replies = _move_pipes()
-    _stay_within_memory()
     worker = Worker()
-    for line in requests:
-        replies.write(encode(worker.serve(decode_request(line))))
-        replies.flush()
-        sys.stdout.flush()  # what a contestant printed appears when it printed it
-    worker.close()
+    with held_to_available():
+        for line in requests:
+            replies.write(_spell(worker.serve(decode_request(line))))
+            replies.flush()
+            with suppress(Exception):  # a contestant may have closed it
+                sys.stdout.flush()  # what it printed appears when it printed it
+        worker.close()
+
+
+def _spell(reply: Reply) -> bytes:
+    """A reply as a line; where a contestant put into it what is no JSON, that is the reply."""
+    try:
+        line = encode(reply)
+        decode_reply(line)
+    except (TypeError, ValueError, OverflowError) as error:
+        return encode(Failed(f"a reply that cannot be sent: {_one_line(error)}"))
+    return line
 
 
 if __name__ == "__main__":
