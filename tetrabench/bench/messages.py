@@ -85,11 +85,12 @@ class Measured(msgspec.Struct, frozen=True, tag=True, kw_only=True):
 
 
 class Weighed(msgspec.Struct, frozen=True, tag=True, kw_only=True):
-    """Figures as in `record.Memory`."""
+    """Figures as in `record.Memory`. `compiled`: kernels that were in no cache, whose compiler is in the way of them."""
 
     structure: dict[str, tuple[int, int]]
     retained_bytes: int | None
     peak_bytes: int | None
+    compiled: int = 0
 
 
 class Gauged(msgspec.Struct, frozen=True, tag=True):

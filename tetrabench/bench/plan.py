@@ -1,5 +1,6 @@
 """What a run will do: which contestants do which tasks on which models, how often, and in which order."""
 
+import hashlib
 import random
 import re
 import shlex
@@ -213,16 +214,14 @@ def make_tasks(
         for values in product(*swept.values()):
             chosen = counts | dict(zip(swept, values, strict=True))
             words = [scenario.name, *(f"{name}={chosen[name]}" for name in several)]
-            yield Task(
-                name=" ".join(words), scenario=scenario.name, options=chosen, parallel=scenario.parallel
-            )
+            yield Task(name=" ".join(words), scenario=scenario.name, options=chosen, parallel=scenario.parallel)
     if left:
         known = sorted({f"{one.name}.{name}" for one in scenarios for name in one.options})
         raise InputError(f"no scenario has the option {', '.join(sorted(left))}; there are: {', '.join(known)}")
 
 
 def parse_option(text: str) -> tuple[str, list[int]]:
-    """"alfa.sweeps=10,50" as a name and its values; a range 1..4 stands for 1,2,3,4.
+    """ "alfa.sweeps=10,50" as a name and its values; a range 1..4 stands for 1,2,3,4.
 
     Raises:
         InputError: it is something else.
@@ -281,12 +280,10 @@ def _command(model: str, verb: str, **flags: object) -> str:
     return shlex.join(words)
 
 
-def model_of(name: str, path: Path, size: Mapping[str, int]) -> Model:
-    """The record of a model; its digest is that of the file."""
-    import hashlib
-
+def model_of(name: str, path: Path) -> Model:
+    """The record of a model whose size is not known yet; its digest is that of the file."""
     digest = hashlib.blake2b(digest_size=8)
     with path.open("rb") as file:
         while part := file.read(1 << 20):
             digest.update(part)
-    return Model(name=name, size=dict(size), digest=digest.hexdigest())
+    return Model(name=name, digest=digest.hexdigest())

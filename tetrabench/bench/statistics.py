@@ -226,13 +226,14 @@ def interval_over(ratios: Iterable[float], confidence: float) -> Interval | None
         return None
     is_whole = len(ordered) >= fewest_for(confidence)
     rank = interval_rank(len(ordered), confidence) if is_whole else 0
-    return Interval(*map(math.exp, (median(ordered), ordered[rank], ordered[-1 - rank])), is_whole)
+    ratio, low, high = map(math.exp, (median(ordered), ordered[rank], ordered[-1 - rank]))
+    return Interval(ratio, low, high, is_whole)
 
 
 def verdict_of(interval: Interval) -> str:
     """What an interval says: "faster", "slower", "same", "inconclusive", "about"."""
     limit = BEYOND if interval.is_whole else CLEAR
-    if interval.is_whole and 1 / ALIKE <= interval.low and interval.high <= ALIKE:
+    if interval.is_whole and interval.low >= 1 / ALIKE and interval.high <= ALIKE:
         return "same"
     if interval.low > limit:
         return "slower"
