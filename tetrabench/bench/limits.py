@@ -1,14 +1,13 @@
 """What counts as a regression: how many times slower is too slow, how many times larger too large."""
 
 from collections.abc import Iterable, Iterator
-from typing import NamedTuple
 
 import msgspec
 
 from tetrabench.bench.record import MEBI, Memory
 
 
-class Limits(NamedTuple):
+class Limits(msgspec.Struct, frozen=True, kw_only=True):
     """Ratios new / old that are still allowed: of CPU time, of wall time (which varies more), of bytes.
 
     Sizes hardly vary from run to run, so that their limits are strict; a peak may besides grow by `peak_slack` bytes.

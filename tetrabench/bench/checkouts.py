@@ -1,0 +1,239 @@
+"""Revisions of a git repository, each installed into a folder of its own that a worker can import first.
+
+Nothing is written into the repository or its index: a revision is taken out with `git archive`, the working tree is
+copied. What a revision depends on is shared with the running environment, so that only its own code differs.
+"""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tarfile
+from importlib.metadata import distributions
+from importlib.util import find_spec
+from pathlib import Path
+
+import msgspec
+
+from tetrabench.bench.messages import PROTOCOL
+from tetrabench.errors import InputError, NotComparableError
+
+WORKING_TREE = "working tree"
+
+_PROBE = """
+import json, sys
+from tetrabench import registry
+from tetrabench.bench import messages
+family = sys.argv[1]
+print(json.dumps({
+    "protocol": getattr(messages, "PROTOCOL", None),
+    "contestants": [one.name for one in registry.contestants(family)],
+    "scenarios": [one.name for one in registry.scenarios(family)],
+}))
+"""
+
+
+class Checkout(msgspec.Struct, frozen=True, kw_only=True):
+    """A revision that is installed.
+
+    Attributes:
+        revision: as it was asked for, or WORKING_TREE; commit: 40 hexadecimal digits, with a "+" where files were
+            changed since.
+        folder: of its packages, with their metadata.
+        requirements: what it declares to depend on.
+    """
+
+    revision: str
+    commit: str
+    folder: Path
+    requirements: list[str] = []
+
+    @property
+    def title(self) -> str:
+        """For people: how it was called, and its commit."""
+        short = self.commit[:10] + "+" * self.commit.endswith("+")
+        return short if self.commit.startswith(self.revision) else f"{self.revision} ({short})"
+
+
+class Offer(msgspec.Struct, frozen=True):
+    """What workers of a checkout can do: the protocol they speak, None where it is from before there was one; names."""
+
+    protocol: int | None
+    contestants: list[str]
+    scenarios: list[str]
+
+
+def find_repository(folder: Path) -> Path:
+    """The top folder of the git checkout that a folder lies in.
+
+    Raises:
+        InputError: it lies in none, or git is missing or refuses it.
+    """
+    return Path(_git(folder, "rev-parse", "--show-toplevel"))
+
+
+def find_commit(repository: Path, revision: str) -> str:
+    """The commit that a revision, such as HEAD~1 or origin/main, stands for.
+
+    Raises:
+        InputError: there is none.
+    """
+    try:
+        return _git(repository, "rev-parse", "--verify", "--quiet", "--end-of-options", f"{revision}^{{commit}}")
+    except InputError:
+        advice = "git fetch brings what is only in another repository, with --unshallow where the clone has no history"
+        raise InputError(f"no revision '{revision}' in {repository.name}; {advice}") from None
+
+
+def is_clean(repository: Path) -> bool:
+    """Whether the working tree is what was committed last; files that git ignores do not count."""
+    return not _git(repository, "status", "--porcelain")
+
+
+def check_out(repository: Path, revision: str | None, scratch: Path) -> Checkout:
+    """Install a revision.
+
+    A commit is kept in the cache folder of the user, and installed once; a changed working tree lasts as long as
+    `scratch` does.
+
+    Args:
+        repository: top folder of a git checkout.
+        revision: None: the working tree as it is, with changes that are not committed, without what git ignores.
+        scratch: an existing folder for what does not last.
+
+    Raises:
+        InputError: no such revision.
+        NotComparableError: it cannot be installed, or has nothing to run.
+    """
+    commit = find_commit(repository, revision or "HEAD")
+    name = revision or WORKING_TREE
+    if revision is None and not is_clean(repository):
+        source, folder = scratch / "tree", scratch / "tree-installed"
+        _copy_tree(repository, source)
+        _install(source, folder, name)
+        return _describe(name, commit + "+", folder)
+    kept = _cache() / commit
+    if not kept.is_dir():
+        source, folder = scratch / commit, scratch / f"{commit}-installed"
+        if not source.is_dir():
+            _take_out(repository, commit, source)
+            _install(source, folder, name)
+        kept = _keep(folder, kept)
+    return _describe(name, commit, kept)
+
+
+def ask(checkout: Checkout, family: str) -> Offer:
+    """What workers of a checkout can do.
+
+    Raises:
+        NotComparableError: it cannot be imported, or its workers and the running harness do not understand each other.
+    """
+    # as spawn.WorkerProcess does it
+    paths = [str(path) for path in (checkout.folder, os.environ.get("PYTHONPATH")) if path]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
+    command = [sys.executable, "-P", "-c", _PROBE, family]
+    done = subprocess.run(command, capture_output=True, text=True, env=environment, stdin=subprocess.DEVNULL)
+    if done.returncode:
+        raise NotComparableError(f"{checkout.title} cannot be used: {_reason(done.stderr)}")
+    offer = msgspec.convert(json.loads(done.stdout.splitlines()[-1]), Offer)
+    if offer.protocol is None:
+        raise NotComparableError(f"{checkout.title} is too old: it is from before there was a gate")
+    if offer.protocol != PROTOCOL:
+        age = "old" if offer.protocol < PROTOCOL else "new"
+        raise NotComparableError(
+            f"{checkout.title} is too {age}: its workers speak protocol {offer.protocol}, this harness {PROTOCOL}"
+        )
+    return offer
+
+
+def _cache() -> Path:
+    from tetrabench.jit import cache_root
+
+    return cache_root() / "checkouts" / f"python{sys.version_info.major}.{sys.version_info.minor}"
+
+
+def _take_out(repository: Path, commit: str, folder: Path) -> None:
+    """The files of a commit."""
+    with subprocess.Popen(
+        ["git", "-C", str(repository), "archive", "--format=tar", commit], stdout=subprocess.PIPE
+    ) as git:
+        assert git.stdout is not None
+        with tarfile.open(fileobj=git.stdout, mode="r|") as archive:
+            archive.extractall(folder, filter="data")
+
+
+def _copy_tree(repository: Path, folder: Path) -> None:
+    """The files of the working tree: those that git knows, and those that it would add."""
+    names = _git(repository, "ls-files", "-z", "--cached", "--others", "--exclude-standard").split("\0")
+    for name in filter(None, dict.fromkeys(names)):
+        source, target = repository / name, folder / name
+        if source.is_symlink() or source.is_file():  # else it was deleted, or is another repository
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(source, target, follow_symlinks=False)
+
+
+def _install(source: Path, folder: Path, name: str) -> None:
+    """Install what lies in `source` into a folder of its own, without what it depends on."""
+    command = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--disable-pip-version-check"]
+    if find_spec("setuptools") is not None:  # else pip has to fetch it
+        command.append("--no-build-isolation")
+    # not among what is imported from here: pip would look at the folder in PYTHONPATH too
+    done = subprocess.run(
+        [*command, "--target", str(folder), str(source)], capture_output=True, text=True, stdin=subprocess.DEVNULL
+    )
+    if done.returncode:
+        raise NotComparableError(f"{name} cannot be installed: {_reason(done.stderr)}")
+
+
+def _keep(folder: Path, kept: Path) -> Path:
+    """Move a folder to where it is kept, whole or not at all; where that cannot be written to, it stays."""
+    staging = kept.with_name(f".{kept.name}.{os.getpid()}")
+    try:
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copytree(folder, staging)
+        staging.rename(kept)
+    except OSError:
+        return kept if kept.is_dir() else folder  # another gate was as fast
+    finally:
+        shutil.rmtree(staging, ignore_errors=True)
+    return kept
+
+
+def _describe(revision: str, commit: str, folder: Path) -> Checkout:
+    """What its metadata say.
+
+    Raises:
+        NotComparableError: it is neither tetrabench nor a plug-in of it.
+    """
+    found = list(distributions(path=[str(folder)]))
+    if not any(entry.group.startswith("tetrabench.") for one in found for entry in one.entry_points):
+        raise NotComparableError(
+            f"{revision} has no contestants: it is neither tetrabench nor a plug-in of it, or too old"
+        )
+    asked = {line for one in found for line in one.requires or [] if not re.search(r"extra\s*==", line)}
+    return Checkout(revision=revision, commit=commit, folder=folder, requirements=sorted(asked))
+
+
+def _git(folder: Path, *arguments: str) -> str:
+    """What git says.
+
+    Raises:
+        InputError: it complains.
+    """
+    command = ["git", "-C", str(folder), *arguments]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, "LC_ALL": "C"})
+    except FileNotFoundError as error:
+        raise InputError("git is not installed, and the gate takes both versions from a git repository") from error
+    if done.returncode:
+        raise InputError(f"{folder.absolute().name}: {_reason(done.stderr).removeprefix('fatal: ')}")
+    return done.stdout.removesuffix("\n")
+
+
+def _reason(text: str) -> str:
+    """The line of a program's complaints that says most: pip's first error, or the last line."""
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    errors = [line for line in lines if line.lower().startswith("error")]
+    return (errors or lines[-1:] or ["it does not say why"])[0]
