@@ -9,7 +9,7 @@ enough to hold for all contestants of a task together (Bonferroni).
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from statistics import median
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import msgspec
 
@@ -166,7 +166,7 @@ def _row(
     confidence: float,
     launches: Sequence[Launch],
 ) -> Row:
-    facts = {
+    facts: dict[str, Any] = {
         "model": samples[0].model,
         "task": samples[0].task,
         "backend": backend.name,
@@ -176,11 +176,11 @@ def _row(
         "clock": clock,
     }
     good = [sample for sample in samples if sample.status == "ok"]
-    counts = {"launches": len({sample.launch for sample in good}), "samples": len(good)}
+    facts |= {"launches": len({sample.launch for sample in good}), "samples": len(good)}
     for status, verdict in _ENDS.items():
         bad = next((sample for sample in samples if sample.status == status), None)
         if bad is not None:
-            return Row(**facts, **counts, status=status, verdict=verdict, reason=bad.reason)
+            return Row(**facts, status=status, verdict=verdict, reason=bad.reason)
     seconds = median(_seconds(sample, clock) for sample in samples)
     interval = interval_over(launch_ratios(samples, reference, clock).values(), confidence)
     verdict = _verdict(samples, reference, backend, clock, interval)
@@ -191,7 +191,6 @@ def _row(
     shown = interval if backend.name != backend.against else None
     return Row(
         **facts,
-        **counts,
         status="ok",
         verdict=verdict,
         seconds=seconds,

@@ -15,12 +15,16 @@ from time import perf_counter
 from typing import Any, BinaryIO
 
 from tetrabench import registry
+from tetrabench.bench.catalogue import Registry
 from tetrabench.bench.clock import Clocks, read_clocks
 from tetrabench.bench.memory import peak_bytes, private_bytes, reset_peak, trim_heap
 from tetrabench.bench.messages import (
     PROTOCOL,
+    Describe,
     Done,
     Failed,
+    Find,
+    Found,
     Gauge,
     Gauged,
     Load,
@@ -97,6 +101,10 @@ class Worker:
                 return self._weigh(Path(request.model))
             case Gauge():
                 return Gauged(measure_yardsticks())
+            case Describe():
+                return Registry().describe(request.family)
+            case Find():
+                return Found(str(Registry().find_model(request)))
 
     def _set_stage(self, model: Path) -> Stage:
         self.close()

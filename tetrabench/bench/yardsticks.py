@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from tetrabench.bench.record import Yardsticks
 from tetrabench.jit import kernel
 
-ARRAY_BYTES = 2**26
+ARRAY_BYTES = 2**25
 """Of each array: more than the share of a last-level cache that one core has."""
 LINE = 16  # int32 in a cache line of 64 bytes
 STEPS = 400_000

@@ -18,7 +18,7 @@ from tetrabench.cli.options import (
     read_seconds,
     what_options,
 )
-from tetrabench.cli.speech import RunProgress, say, tabulate
+from tetrabench.cli.speech import RunProgress, patience, say, tabulate
 
 if TYPE_CHECKING:
     from tetrabench.bench import Plan, Results
@@ -56,7 +56,7 @@ def run(
     **choices: Any,
 ) -> None:
     """Run scenarios on backends, compare the answers, and say what each cost in time and memory."""
-    from tetrabench.bench import exit_code, make_plan, run_benchmark
+    from tetrabench.bench import exit_code, run_benchmark
 
     profiles = {"thesis": thesis, "quick": quick, "rigorous": rigorous}
     asked = [name for name, is_asked in profiles.items() if is_asked]
@@ -64,7 +64,7 @@ def run(
         raise click.UsageError(f"--{asked[0]} and --{asked[1]}: choose one", ctx)
     if resume and output is None:
         raise click.UsageError("--resume goes on with the run to -o FILE.json: say which", ctx)
-    plan = make_plan(choices.pop("model"), profile=asked[0] if asked else "default", **choices)
+    plan = look_up(choices, asked[0] if asked else "default")
     if dry_run:
         click.echo(describe_plan(plan))
         return
@@ -88,9 +88,9 @@ def check(ctx: click.Context, /, **choices: Any) -> None:
 
     Exit code 3 if a backend gives a wrong answer, or ends badly.
     """
-    from tetrabench.bench import exit_code, make_plan, run_benchmark, summary
+    from tetrabench.bench import exit_code, run_benchmark, summary
 
-    plan = make_plan(choices.pop("model"), profile="check", **choices)
+    plan = look_up(choices, "check")
     with RunProgress() as progress:
         results = run_benchmark(plan, progress=progress)
     words = {"reference": "right", "about": "right", "too short": "right", "slower": "right", "faster": "right"}
@@ -160,6 +160,16 @@ def _counts(scenario: Scenario) -> str:
         f"{name} {count:,}" + (f" (thesis {thesis[name]:,})" if thesis[name] != count else "")
         for name, count in scenario.options.items()
     )
+
+
+def look_up(choices: dict[str, Any], profile: str) -> Plan:
+    """The plan that is asked for; its model is generated if need be."""
+    from tetrabench.bench import make_plan
+    from tetrabench.bench.catalogue import Inquiry
+
+    model = choices.pop("model")
+    with patience(f"looking up backends, scenarios and {model}"), Inquiry() as guide:
+        return make_plan(model, profile=profile, guide=guide, **choices)
 
 
 def describe_plan(plan: Plan) -> str:
