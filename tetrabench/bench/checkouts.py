@@ -4,35 +4,27 @@ Nothing is written into the repository or its index: a revision is taken out wit
 copied. What a revision depends on is shared with the running environment, so that only its own code differs.
 """
 
-import json
 import os
 import re
 import shutil
 import subprocess
 import sys
 import tarfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib.metadata import distributions
 from importlib.util import find_spec
 from pathlib import Path
 
 import msgspec
 
+from tetrabench.bench.catalogue import Guide, Inquiry
 from tetrabench.bench.messages import PROTOCOL
+from tetrabench.bench.spawn import WorkerProcess
 from tetrabench.errors import InputError, NotComparableError
+from tetrabench.folders import cache_root
 
 WORKING_TREE = "working tree"
-
-_PROBE = """
-import json, sys
-from tetrabench import registry
-from tetrabench.bench import messages
-family = sys.argv[1]
-print(json.dumps({
-    "protocol": getattr(messages, "PROTOCOL", None),
-    "contestants": [one.name for one in registry.contestants(family)],
-    "scenarios": [one.name for one in registry.scenarios(family)],
-}))
-"""
 
 
 class Checkout(msgspec.Struct, frozen=True, kw_only=True):
@@ -55,14 +47,6 @@ class Checkout(msgspec.Struct, frozen=True, kw_only=True):
         """For people: how it was called, and its commit."""
         short = self.commit[:10] + "+" * self.commit.endswith("+")
         return short if self.commit.startswith(self.revision) else f"{self.revision} ({short})"
-
-
-class Offer(msgspec.Struct, frozen=True):
-    """What workers of a checkout can do: the protocol they speak, None where it is from before there was one; names."""
-
-    protocol: int | None
-    contestants: list[str]
-    scenarios: list[str]
 
 
 def find_repository(folder: Path) -> Path:
@@ -124,33 +108,14 @@ def check_out(repository: Path, revision: str | None, scratch: Path) -> Checkout
     return _describe(name, commit, kept)
 
 
-def ask(checkout: Checkout, family: str) -> Offer:
-    """What workers of a checkout can do.
-
-    Raises:
-        NotComparableError: it cannot be imported, or its workers and the running harness do not understand each other.
-    """
-    # as spawn.WorkerProcess does it
-    paths = [str(path) for path in (checkout.folder, os.environ.get("PYTHONPATH")) if path]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
-    command = [sys.executable, "-P", "-c", _PROBE, family]
-    done = subprocess.run(command, capture_output=True, text=True, env=environment, stdin=subprocess.DEVNULL)
-    if done.returncode:
-        raise NotComparableError(f"{checkout.title} cannot be used: {_reason(done.stderr)}")
-    offer = msgspec.convert(json.loads(done.stdout.splitlines()[-1]), Offer)
-    if offer.protocol is None:
-        raise NotComparableError(f"{checkout.title} is too old: it is from before there was a gate")
-    if offer.protocol != PROTOCOL:
-        age = "old" if offer.protocol < PROTOCOL else "new"
-        raise NotComparableError(
-            f"{checkout.title} is too {age}: its workers speak protocol {offer.protocol}, this harness {PROTOCOL}"
-        )
-    return offer
+@contextmanager
+def guide_of(checkout: Checkout) -> Iterator[Guide]:
+    """Who knows what a checkout has to offer: a worker of it."""
+    with Inquiry(lambda: WorkerProcess(checkout=checkout.folder)) as guide:
+        yield guide
 
 
 def _cache() -> Path:
-    from tetrabench.jit import cache_root
-
     return cache_root() / "checkouts" / f"python{sys.version_info.major}.{sys.version_info.minor}"
 
 
@@ -214,6 +179,25 @@ def _describe(revision: str, commit: str, folder: Path) -> Checkout:
         )
     asked = {line for one in found for line in one.requires or [] if not re.search(r"extra\s*==", line)}
     return Checkout(revision=revision, commit=commit, folder=folder, requirements=sorted(asked))
+
+
+def _refuse_foreign_protocol(folder: Path, revision: str) -> None:
+    """Refuse a tetrabench whose workers the running one does not understand, before one of them is started.
+
+    Raises:
+        NotComparableError: it is one.
+    """
+    if not (folder / "tetrabench").is_dir():  # a plug-in, which runs in the tetrabench that is installed here
+        return
+    messages = folder / "tetrabench/bench/messages.py"
+    found = re.search(r"^PROTOCOL = (\d+)$", messages.read_text() if messages.is_file() else "", re.MULTILINE)
+    if found is None:
+        raise NotComparableError(f"{revision} is too old to be compared: it is from before there was a gate")
+    if int(found[1]) != PROTOCOL:
+        age = "old" if int(found[1]) < PROTOCOL else "new"
+        raise NotComparableError(
+            f"{revision} is too {age} to be compared: its workers speak protocol {found[1]}, this version {PROTOCOL}"
+        )
 
 
 def _git(folder: Path, *arguments: str) -> str:

@@ -15,7 +15,7 @@ means nothing, and the answer is what is said.
 
 import math
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -24,21 +24,15 @@ from typing import Any
 import msgspec
 
 from tetrabench.bench.benchmark import run_benchmark
-from tetrabench.bench.checkouts import (
-    WORKING_TREE,
-    Checkout,
-    Offer,
-    ask,
-    check_out,
-    find_commit,
-    find_repository,
-)
+from tetrabench.bench.catalogue import Guide
+from tetrabench.bench.checkouts import WORKING_TREE, Checkout, check_out, find_commit, find_repository, guide_of
 from tetrabench.bench.limits import Limits, MemoryChange, compare_memory, failures
+from tetrabench.bench.messages import Described
 from tetrabench.bench.plan import Plan, control_of
 from tetrabench.bench.progress import Progress, Silence
 from tetrabench.bench.record import Backend, Results, Sample
 from tetrabench.bench.statistics import BAD, BEYOND, Row, fewest_launches, launch_ratios, summary
-from tetrabench.errors import InputError, NotComparableError
+from tetrabench.errors import InputError, NotComparableError, TetrabenchError
 
 SCHEMA = "tetrabench-gate/1"
 AGREEING = 0.75
@@ -118,7 +112,7 @@ def run_gate(
     repository: Path,
     base: str,
     head: str | None,
-    plan: Plan,
+    make: Callable[[Guide], Plan],
     limits: Limits,
     *,
     progress: Progress | None = None,
@@ -130,13 +124,13 @@ def run_gate(
         repository: the git checkout of tetrabench, or of a plug-in of it.
         base: the revision to be compared with.
         head: the revision in question; None: the working tree as it is.
-        plan: what to run, as for one version; its contestants are taken twice.
+        make: the plan for one version, by what head has to offer; its contestants are then taken twice.
         limits: what is allowed.
         progress: is told what happens.
         output: where to save the samples; those of the confirming run lie beside, `confirming_output`.
 
     Raises:
-        InputError: no such repository or revision; too few launches.
+        InputError: no such repository or revision; names that head does not have; too few launches.
         NotComparableError: a version cannot be installed, is too old, or has nothing in common with the other.
         MemoryRefusedError: the model is too large for the memory that there is.
     """
@@ -145,20 +139,35 @@ def run_gate(
     for revision in filter(None, (base, head)):
         find_commit(top, revision)
     with TemporaryDirectory(prefix="tetrabench-gate-") as folder:
-        versions, offers = [], []
+        versions = []
         for place, (name, wanted) in enumerate([(BASE, base), (HEAD, head)]):
             progress.step("installing", f"{name}, {wanted or WORKING_TREE}", place, 2, None)
             versions.append(check_out(top, wanted, Path(folder)))
-            offers.append(ask(versions[-1], plan.family))
-        shared, notes = choose(plan, *offers)
-        both = replace(seat_both(shared, *versions), command=command_of(plan, base, head))
-        first = run_benchmark(both, progress=progress, output=output)
+        old, new = versions
+        with guide_of(new) as guide:
+            plan = make(guide)
+        plan, notes = choose(plan, _described(old, plan.family))
+        plan = replace(seat_both(plan, old, new), command=command_of(plan, base, head))
+        first = run_benchmark(plan, progress=progress, output=output)
         suspects = suspects_of(judge(first, limits))
         second = None
         if suspects and first.ended != "interrupted":
             where = confirming_output(output) if output else None
-            second = run_benchmark(narrow(both, suspects), progress=progress, output=where)
-    return make_gate(*versions, limits, first, second, notes)
+            second = run_benchmark(narrow(plan, suspects), progress=progress, output=where)
+    return make_gate(old, new, limits, first, second, notes)
+
+
+def _described(base: Checkout, family: str) -> Described:
+    """What base has to offer.
+
+    Raises:
+        NotComparableError: it cannot say.
+    """
+    try:
+        with guide_of(base) as guide:
+            return guide.describe(family)
+    except TetrabenchError as error:
+        raise NotComparableError(f"base {base.title} cannot be used: {error}") from error
 
 
 def confirming_output(output: Path) -> Path:
@@ -166,26 +175,21 @@ def confirming_output(output: Path) -> Path:
     return output.with_stem(f"{output.stem}-confirming")
 
 
-def choose(plan: Plan, base: Offer, head: Offer) -> tuple[Plan, list[str]]:
-    """The plan without what one of the two versions has not; and notes on what that is.
+def choose(plan: Plan, base: Described) -> tuple[Plan, list[str]]:
+    """Head's plan without what base has not; and notes on what that is.
 
     Raises:
         NotComparableError: nothing is left.
     """
-    notes = []
-    backends, tasks = list(plan.backends), list(plan.tasks)
-    for name, offer in ((BASE, base), (HEAD, head)):
-        missing = [one.contestant for one in backends if one.contestant not in offer.contestants and not one.control]
-        missing += sorted({one.scenario for one in tasks if one.scenario not in offer.scenarios})
-        backends = [one for one in backends if one.contestant in offer.contestants]
-        tasks = [one for one in tasks if one.scenario in offer.scenarios]
-        if missing:
-            notes.append(f"Not compared, since {name} has no such thing: {', '.join(missing)}.")
+    contestants, scenarios = ({one.name for one in table} for table in (base.contestants, base.scenarios))
+    backends = tuple(one for one in plan.backends if one.contestant in contestants)
+    tasks = tuple(one for one in plan.tasks if one.scenario in scenarios)
+    missing = [one.contestant for one in plan.backends if one.contestant not in contestants and not one.control]
+    missing += dict.fromkeys(one.scenario for one in plan.tasks if one.scenario not in scenarios)
     if not backends or not tasks:
-        raise NotComparableError(
-            f"nothing to compare: base and head share no backend or no scenario. {' '.join(notes)}"
-        )
-    return replace(plan, backends=tuple(backends), tasks=tuple(tasks)), notes
+        raise NotComparableError(f"nothing to compare: base does not have {', '.join(missing)}")
+    notes = [f"Not compared, since base does not have it: {', '.join(missing)}."] if missing else []
+    return replace(plan, backends=backends, tasks=tasks), notes
 
 
 def seat_both(plan: Plan, base: Checkout, head: Checkout) -> Plan:
@@ -266,7 +270,7 @@ def _find(
     return Finding(**facts, outcome=outcome, verdict=verdict, first=measured, reason=reason)
 
 
-def _measure(row: Row, ratios: Any, limit: float) -> Measurement:
+def _measure(row: Row, ratios: Iterable[float], limit: float) -> Measurement:
     assert row.ratio is not None
     assert row.low is not None
     assert row.high is not None

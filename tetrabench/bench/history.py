@@ -60,7 +60,9 @@ def entry_of(results: Results) -> Entry:
         InputError: a run that measured no ratios, or whose ratios are those of a gate.
     """
     if any(backend.checkout for backend in results.backends):
-        raise InputError("a gate's ratios are head / base: they are no point of a history; add a run of `tetrabench run`")
+        raise InputError(
+            "a gate's ratios are head / base: they are no point of a history; add a run of `tetrabench run`"
+        )
     points = [
         Point(
             model=row.model,
@@ -102,7 +104,8 @@ def add(results: Results, path: Path) -> bool:
         return False
     try:
         with path.open("ab") as file:  # one write: of two that append at once, neither cuts the other's line in two
-            file.write(msgspec.json.encode(entry) + b"\n")
+            is_open = file.tell() > 0 and not path.read_bytes().endswith(b"\n")  # somebody edited it
+            file.write(b"\n" * is_open + msgspec.json.encode(entry) + b"\n")
             file.flush()
             os.fsync(file.fileno())
     except OSError as error:

@@ -126,7 +126,7 @@ def _next_steps(gate: Gate) -> Iterator[str]:
             "backend and scenario alone; if it is meant to be so, say so where the change is reviewed."
         )
     if "another answer" in verdicts:
-        yield "What to do: find out which answer is right (`tetrabench check`, the tests); times of a wrong answer mean nothing."
+        yield "What to do: find out which answer is right (`tetrabench check`, the tests); times of a wrong one mean nothing."
     if outcomes & {"inconclusive", "suspect"}:
         yield "What to do about inconclusive cells: a quieter machine (`tetrabench doctor`), more --launches, a larger model."
 
@@ -139,7 +139,9 @@ def gate_annotations(gate: Gate) -> Iterator[str]:
             said = words_of(finding) + (f": {finding.reason}" if finding.reason else "")
             yield annotation("error", f"tetrabench gate: {finding.outcome}", f"{where}: {said}")
         elif finding.outcome in ("inconclusive", "suspect"):
-            yield annotation("warning", "tetrabench gate: inconclusive", f"{where}: {finding.reason or words_of(finding)}")
+            yield annotation(
+                "warning", "tetrabench gate: inconclusive", f"{where}: {finding.reason or words_of(finding)}"
+            )
     yield from _memory_annotations(gate.memory, gate.failures)
 
 
