@@ -13,7 +13,6 @@ import tarfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.metadata import distributions
-from importlib.util import find_spec
 from pathlib import Path
 
 import msgspec
@@ -140,16 +139,18 @@ def _copy_tree(repository: Path, folder: Path) -> None:
 
 
 def _install(source: Path, folder: Path, name: str) -> None:
-    """Install what lies in `source` into a folder of its own, without what it depends on."""
-    command = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--disable-pip-version-check"]
-    if find_spec("setuptools") is not None:  # else pip has to fetch it
-        command.append("--no-build-isolation")
-    # not among what is imported from here: pip would look at the folder in PYTHONPATH too
-    done = subprocess.run(
-        [*command, "--target", str(folder), str(source)], capture_output=True, text=True, stdin=subprocess.DEVNULL
-    )
-    if done.returncode:
-        raise NotComparableError(f"{name} cannot be installed: {_reason(done.stderr)}")
+    """Install what lies in `source` into a folder of its own, without what it depends on.
+
+    Raises:
+        NotComparableError: that does not work.
+    """
+    pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--disable-pip-version-check"]
+    for more in (["--no-build-isolation"], []):  # pip only has to fetch what builds it where that is missing or too old
+        command = [*pip, *more, "--target", str(folder), str(source)]
+        done = subprocess.run(command, capture_output=True, text=True, stdin=subprocess.DEVNULL)
+        if done.returncode == 0:
+            return
+    raise NotComparableError(f"{name} cannot be installed: {_reason(done.stderr)}")
 
 
 def _keep(folder: Path, kept: Path) -> Path:
@@ -177,6 +178,7 @@ def _describe(revision: str, commit: str, folder: Path) -> Checkout:
         raise NotComparableError(
             f"{revision} has no contestants: it is neither tetrabench nor a plug-in of it, or too old"
         )
+    _refuse_foreign_protocol(folder, revision)
     asked = {line for one in found for line in one.requires or [] if not re.search(r"extra\s*==", line)}
     return Checkout(revision=revision, commit=commit, folder=folder, requirements=sorted(asked))
 
@@ -217,7 +219,7 @@ def _git(folder: Path, *arguments: str) -> str:
 
 
 def _reason(text: str) -> str:
-    """The line of a program's complaints that says most: pip's first error, or the last line."""
+    """The line of a program's complaints that says most: its first error, or the last line."""
     lines = [line.strip() for line in text.splitlines() if line.strip()]
-    errors = [line for line in lines if line.lower().startswith("error")]
+    errors = [line for line in lines if re.match(r"error: (?![a-z]+(-[a-z]+)+$)", line, re.IGNORECASE)]  # no pip's class
     return (errors or lines[-1:] or ["it does not say why"])[0]
