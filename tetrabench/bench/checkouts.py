@@ -54,7 +54,10 @@ def find_repository(folder: Path) -> Path:
     Raises:
         InputError: it lies in none, or git is missing or refuses it.
     """
-    return Path(_git(folder, "rev-parse", "--show-toplevel"))
+    try:
+        return Path(_git(folder, "rev-parse", "--show-toplevel"))
+    except InputError as error:
+        raise InputError(f"{error}; the gate runs in a git checkout of the code") from error
 
 
 def find_commit(repository: Path, revision: str) -> str:
@@ -119,13 +122,19 @@ def _cache() -> Path:
 
 
 def _take_out(repository: Path, commit: str, folder: Path) -> None:
-    """The files of a commit."""
-    with subprocess.Popen(
-        ["git", "-C", str(repository), "archive", "--format=tar", commit], stdout=subprocess.PIPE
-    ) as git:
+    """The files of a commit.
+
+    Raises:
+        InputError: there are none, or git cannot read them.
+    """
+    command = ["git", "-C", str(repository), "archive", "--format=tar", commit]
+    with subprocess.Popen(command, stdout=subprocess.PIPE) as git:
         assert git.stdout is not None
-        with tarfile.open(fileobj=git.stdout, mode="r|") as archive:
-            archive.extractall(folder, filter="data")
+        try:
+            with tarfile.open(fileobj=git.stdout, mode="r|") as archive:
+                archive.extractall(folder, filter="data")
+        except tarfile.TarError as error:
+            raise InputError(f"commit {commit[:10]} has no files, or git cannot read them: {error}") from error
 
 
 def _copy_tree(repository: Path, folder: Path) -> None:
@@ -221,5 +230,7 @@ def _git(folder: Path, *arguments: str) -> str:
 def _reason(text: str) -> str:
     """The line of a program's complaints that says most: its first error, or the last line."""
     lines = [line.strip() for line in text.splitlines() if line.strip()]
-    errors = [line for line in lines if re.match(r"error: (?![a-z]+(-[a-z]+)+$)", line, re.IGNORECASE)]  # no pip's class
+    errors = [
+        line for line in lines if re.match(r"error: (?![a-z]+(-[a-z]+)+$)", line, re.IGNORECASE)
+    ]  # no pip's class
     return (errors or lines[-1:] or ["it does not say why"])[0]
