@@ -14,7 +14,8 @@ import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-EFFORT = "--model nozzle --tets 10k --backend v3y --scenario alfa,flow --launches 8 --rounds 3".split()
+WHAT = ["--model", "nozzle", "--tets", "10k", "--backend", "v3y", "--scenario", "alfa,flow"]
+EFFORT = ["--launches", "8", "--rounds", "3"]
 CALL = "        average(averaging.net.storage, averaging.sweeps)\n"
 SLOWER = f"""        from time import thread_time
 
@@ -48,7 +49,7 @@ def slow_down(file: Path) -> None:
 
 def gate(clone: Path, base: str, environment: dict[str, str]) -> tuple[int, dict]:
     """Exit code, and what was found."""
-    command = [sys.executable, "-P", "-m", "tetrabench", "gate", "--base", base, "--format", "json", *EFFORT]
+    command = [sys.executable, "-P", "-m", "tetrabench", "gate", "--base", base, "--format", "json", *WHAT, *EFFORT]
     done = subprocess.run(command, cwd=clone, env=environment, stdout=subprocess.PIPE, text=True)
     return done.returncode, json.loads(done.stdout or '{"findings": []}')
 

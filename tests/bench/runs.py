@@ -108,3 +108,31 @@ def make_memory(backend: str, structure: int, peak: int | None = None, **changes
     """What a contestant takes, in bytes."""
     facts: dict[str, Any] = {"structure": {"tetras": (structure, structure)}, "peak_bytes": peak}
     return Memory(**{"model": "box", "backend": backend} | facts | changes)
+
+
+def make_gate_run(
+    cells: Mapping[str, Mapping[str, Sequence[float]]], *, seconds: float = 0.1, **changes: Any
+) -> Results:
+    """A run of base and head, as `gate` makes it, with controls that show nothing.
+
+    Args:
+        cells: task -> contestant -> ratio head / base of each launch; "v3y control" for another control of v3y.
+        seconds: that each base takes.
+        changes: other fields of the results.
+    """
+    contestants = list(dict.fromkeys(name for ratios in cells.values() for name in ratios if " " not in name))
+    backends = []
+    for name in contestants:
+        backends += [
+            make_backend(other, f"{name}@base") for other in (f"{name}@base", f"{name}@head", f"{name}@base control")
+        ]
+    samples = []
+    for task, ratios in cells.items():
+        for name, them in ratios.items():
+            if " " in name:
+                continue
+            control = ratios.get(f"{name} control", spread(1.0, len(them)))
+            both = {f"{name}@head": them, f"{name}@base control": control}
+            samples += make_samples(task, both, seconds, f"{name}@base")
+    facts = {"backends": backends, "reference": backends[0].name, "samples": samples, "profile": "rigorous"}
+    return make_run({task: {} for task in cells}, **facts | changes)
