@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 ADVISORY = "Advisory: runs at different times. Only a gate, which runs both versions in turns, decides."
 MARKS = "osD^vP*X<>"
 HEIGHT, WIDTH, LABELS = 2.4, 9.0, 24
+TICKS = (1.0, 1.2, 1.5, 2.0, 3.0, 5.0, 7.0)
 
 
 def draw_history(
@@ -33,6 +34,7 @@ def draw_history(
     """
     import matplotlib
     from matplotlib.figure import Figure
+    from matplotlib.ticker import LogLocator, NullLocator
 
     panels = _panels(entries, scenarios, backends)
     names = list(dict.fromkeys(one.backend for entry in entries for one in entry.points))
@@ -46,15 +48,15 @@ def draw_history(
             _mark_changes(axes, entries)
             axes.axhline(1.0, color="0.4", linewidth=0.8)
             axes.set_yscale("log")
+            axes.yaxis.set_major_locator(LogLocator(subs=TICKS, numticks=99))
             axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}x")
-            axes.yaxis.set_minor_formatter(lambda value, _: f"{value:.3g}x")
-            axes.tick_params(axis="y", which="minor", labelsize=7)
+            axes.yaxis.set_minor_locator(NullLocator())
             axes.set_title(f"{task}, {model}", loc="left", fontsize=9)
-            axes.grid(axis="y", which="both", color="0.9")
+            axes.grid(axis="y", color="0.9")
             axes.margins(x=0.03)
         _label_commits(grid[-1], entries)
         handles, labels = _legend_of(grid)
-        figure.legend(handles, labels, loc="outside upper center", ncols=min(9, len(labels)), frameon=False)
+        figure.legend(handles, labels, loc="outside right upper", frameon=False)
         reference = ", ".join(dict.fromkeys(entry.reference for entry in entries))
         figure.suptitle(f"Times that of {reference}, with intervals: less is better", fontsize=11)
         figure.supxlabel(f"commit, and day of the run. {ADVISORY}", fontsize=8)
