@@ -1,12 +1,14 @@
 """What can be trusted on this machine: facts that measuring depends on, what each means, what to do about it."""
 
 import ctypes
+import functools
 import os
 import shutil
 import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from statistics import quantiles
+from typing import TYPE_CHECKING
 
 import msgspec
 
@@ -17,6 +19,10 @@ from tetrabench.bench.pairs import FEWEST, Ratio, in_turn, paired_ratio
 from tetrabench.errors import TetrabenchError
 from tetrabench.folders import cache_root
 from tetrabench.memory import spell_bytes
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 OK, CAREFUL, BAD = "ok", "careful", "bad"
 GIB = 2**30
@@ -255,17 +261,17 @@ def cache(folder: Path) -> Fact:
     return Fact(name="cache folder", value=value, state=CAREFUL, advice="large models will not fit: make room")
 
 
-_array: list[object] = []
+@functools.cache
+def _numbers() -> "NDArray[np.float64]":
+    import numpy as np
+
+    return np.ones(2_000_000)
 
 
 def _sweep() -> None:
     """Some milliseconds of sums over 16 MB."""
-    import numpy as np
-
-    if not _array:
-        _array.append(np.ones(2_000_000))
     for _ in range(12):
-        float(np.sum(_array[0]))  # type: ignore[arg-type]
+        _numbers().sum()
 
 
 def _timed(work: Callable[[], None], read: Callable[[], float]) -> float:

@@ -41,7 +41,7 @@ def draw_history(
     names = [name for name in names if backends is None or name in backends]
     with matplotlib.rc_context({"font.size": 9, "svg.hashsalt": "tetrabench"}):
         figure = Figure(figsize=(WIDTH, HEIGHT * len(panels) + 1.2), layout="constrained")
-        grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+        grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0].tolist()
         for axes, (model, task) in zip(grid, panels, strict=True):
             for place, name in enumerate(names):
                 _draw_line(axes, entries, (model, task, name), MARKS[place % len(MARKS)], f"C{place % 10}")
