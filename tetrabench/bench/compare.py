@@ -166,8 +166,8 @@ class _Run:
 
     def launches(self, row: Row) -> list[float]:
         """ln(contestant / reference) of each launch."""
-        samples = [self._samples.get((row.model, row.task, name), []) for name in (row.backend, row.against)]
-        return list(launch_ratios(*samples, row.clock).values())
+        ours, theirs = (self._samples.get((row.model, row.task, name), []) for name in (row.backend, row.against))
+        return list(launch_ratios(ours, theirs, row.clock).values())
 
 
 def _changes(old: _Run, new: _Run, limits: Limits) -> list[Change]:
