@@ -10,7 +10,7 @@ BASE ?= $(shell git rev-parse --quiet --verify origin/main >/dev/null && echo or
 GATE = --model nozzle --tets 30k --backend v3y,v4 --scenario alfa,flow
 FORMAT ?= table
 
-.PHONY: gate gate-selftest run test test-all lint types bench-native bench-peers fuzz results thesis clean help
+.PHONY: gate gate-selftest run test test-all lint types bench-native bench-peers schema fuzz results thesis clean help
 
 help:            ## list the targets
 	@grep -E '^[a-z-]+: .*##|^[a-z-]+: *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 16
@@ -50,6 +50,9 @@ bench-native: $(VENV)/developing  ## our kernels beside C on the same arrays (ne
 bench-peers: $(VENV)/peers  ## our bulk operations beside packages from PyPI (a quarter of an hour; gmsh needs some system libraries)
 	@mkdir -p $(OUT)
 	$(BIN)/python tests/peers/bench_peers.py -o $(OUT)/peers.json
+
+schema: $(BIN)/tetrabench  ## the published schema of results files, made anew from their records
+	$(BIN)/python -m tetrabench.bench.schema > docs/results-1.schema.json
 
 fuzz: $(VENV)/developing  ## a million mutated decks through the Nastran reader (hours)
 	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m tests.io.fuzz_nastran

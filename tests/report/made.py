@@ -85,7 +85,7 @@ def make_sweep(seconds: Seconds, exponents: Mapping[str, float], sizes: Sequence
         part: [one for run in runs for one in getattr(run, part)]
         for part in ("models", "launches", "memory", "samples")
     }
-    return msgspec.structs.replace(runs[0], **joined)
+    return msgspec.structs.replace(runs[0], **joined, elapsed_s=sum(run.elapsed_s for run in runs))
 
 
 def make_backend(name: str, **changes: Any) -> Backend:
@@ -125,9 +125,7 @@ def make_memory(backend: str, *, model: str = "nozzle", **changes: Any) -> Memor
     return Memory(model=model, backend=backend, **{**facts, **changes})
 
 
-def make_sample(
-    task: str, backend: str, launch: int = 0, round: int = 0, cpu_s: float = 1.0, **changes: Any
-) -> Sample:
+def make_sample(task: str, backend: str, launch: int = 0, round: int = 0, cpu_s: float = 1.0, **changes: Any) -> Sample:
     """A sample of a task whose answer is right; alfa and flow had to move 400 GB at least."""
     facts: dict[str, Any] = {
         "model": "nozzle",

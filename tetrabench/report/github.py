@@ -33,7 +33,9 @@ def _annotations(results: Results) -> Iterator[str]:
         if memory.status not in ("ok", "skipped", "unsupported"):
             yield annotation("error", f"tetrabench: {memory.status}", f"{cell}: {memory.reason or memory.status}")
         elif not memory.is_accounted:
-            claim = f"the structure claims {memory.structure_bytes:,} bytes, its process holds {memory.retained_bytes:,}"
+            claim = (
+                f"the structure claims {memory.structure_bytes:,} bytes, its process holds {memory.retained_bytes:,}"
+            )
             yield annotation("warning", "tetrabench: unaccounted memory", f"{cell}: {claim}")
     if results.ended:
         yield annotation("warning", "tetrabench: ended early", ENDS.get(results.ended, results.ended))

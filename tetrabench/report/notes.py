@@ -28,7 +28,7 @@ def about_part(part: Part) -> Iterator[str]:
     yield from _about_intervals(part)
     for name, memory in memories(part).items():
         if memory.status != "ok":
-            yield f"Memory of {name}: {memory.status}: {memory.reason}"
+            yield f"Memory of {name}: {memory.status}: {' '.join(memory.reason.split())}"
         elif not memory.is_accounted and memory.retained_bytes is not None:
             held, claimed = f"{memory.retained_bytes / 1e6:,.0f}", f"{memory.structure_bytes / 1e6:,.0f}"
             yield f"UNACCOUNTED MEMORY of {name}: its process holds {held} MB, its structure claims {claimed} MB."
@@ -54,7 +54,7 @@ def about_run(results: Results, rows: Sequence[Row], grown: Sequence[Growth], in
 
 def about_growth(grown: Iterable[Growth]) -> Iterator[str]:
     """What the exponents mean, and why there is none where there is none."""
-    yield "1 is linear in the size of the model, 0 the same time whatever its size; fitted in each launch, median over launches."
+    yield "1 is linear in size, 0 the same time whatever the size; a median over launches, its interval holds with 95 %."
     if any(not one.is_whole and one.exponent is not None for one in grown):
         yield "With a question mark: launches are too few for an interval."
     yield from _listed((one.backend, one.task, one.reason) for one in grown if one.exponent is None)
@@ -68,7 +68,8 @@ def about_machine(results: Results) -> str:
 
 
 def _about_answers(part: Part) -> str:
-    wrong = list(dict.fromkeys(row.task for row in part.rows.values() if row.verdict == "wrong"))
+    everybody = [*part.rows.values(), *part.controls.values()]
+    wrong = list(dict.fromkeys(row.task for row in everybody if row.verdict == "wrong"))
     if wrong:
         return f"WRONG ANSWERS in {', '.join(wrong)}: contestants disagree; see below."
     compared = [task for task in part.tasks if _said(part, task) > 1]
@@ -85,7 +86,8 @@ def _said(part: Part, task: str) -> int:
 
 
 def _about_reasons(part: Part) -> Iterator[str]:
-    ended = [row for row in part.rows.values() if row.reason and row.verdict != "inconclusive"]
+    everybody = [*part.rows.values(), *part.controls.values()]
+    ended = [row for row in everybody if row.reason and row.verdict != "inconclusive"]
     yield from _listed((f"{row.backend}, {row.verdict}", row.task, row.reason) for row in ended)
 
 
@@ -93,7 +95,7 @@ def _listed(facts: Iterable[tuple[str, str, str]]) -> Iterator[str]:
     """(who, task, why) as "who in task, task: why"."""
     tasks: dict[tuple[str, str], list[str]] = {}
     for who, task, why in facts:
-        tasks.setdefault((who, why), []).append(task)
+        tasks.setdefault((who, " ".join(why.split())), []).append(task)  # a note is one line
     yield from (f"{who} in {', '.join(names)}: {why}" for (who, why), names in tasks.items())
 
 
@@ -137,7 +139,14 @@ def _about_signs(results: Results, rows: Sequence[Row], intervals: bool) -> Iter
             any(row.verdict in ("faster", "slower") and not row.is_bound for row in rows),
         ),
         f"all of the interval is within {percent(ALIKE - 1)} of 1": ("~1", "same" in verdicts and not intervals),
-        "so much at least": (">43x", any(row.is_bound for row in rows)),
+        "in every launch more than so many times": (
+            ">43x",
+            any(row.is_bound for row in rows if row.verdict == "slower"),
+        ),
+        "in every launch less than so many times": (
+            "<0.2x",
+            any(row.is_bound for row in rows if row.verdict == "faster"),
+        ),
         "the interval does not say which is faster": (
             "0.97-1.12?" if intervals else "unclear",
             "inconclusive" in verdicts,
@@ -182,7 +191,7 @@ def _about_yardsticks(launches: Sequence[Launch], has_shares: bool) -> Iterator[
         f"(one core, median over {plural(len(known), 'launch')})."
     )
     if has_shares:
-        yield "Bandwidth: the least traffic with memory that a task needs, over its time and the triad's; over 100 %: from caches."
+        yield "Bandwidth: the least traffic that a task needs with memory, over its time and triad's; beyond 100 %: caches."
 
 
 def _about_time(results: Results) -> Iterator[str]:
@@ -193,7 +202,9 @@ def _about_time(results: Results) -> Iterator[str]:
             phases[phase] = phases.get(phase, 0.0) + seconds
     total = sum(phases.values())
     if total > 0:
-        shares = [f"{phase} {percent(seconds / total)}" for phase, seconds in sorted(phases.items(), key=lambda one: -one[1])]
+        shares = [
+            f"{phase} {percent(seconds / total)}" for phase, seconds in sorted(phases.items(), key=lambda one: -one[1])
+        ]
         overhead = sum(seconds for phase, seconds in phases.items() if phase not in COUNTED) / total
         took = f"{duration(results.elapsed_s)} in all, " if results.elapsed_s else ""
         yield (
@@ -207,5 +218,6 @@ def _items(results: Results) -> str:
     scenarios = {task.name: task.scenario for task in results.tasks}
     users: dict[str, dict[str, None]] = {}
     for task, unit in dict.fromkeys((one.task, one.unit) for one in results.samples if one.unit):
-        users.setdefault(unit, {})[scenarios.get(task, task)] = None
+        if task in scenarios:
+            users.setdefault(unit, {})[scenarios[task]] = None
     return ", ".join(f"a {singular(unit)} ({', '.join(names)})" for unit, names in users.items())

@@ -52,9 +52,7 @@ def as_pyperf(results: Results) -> str:
     return json.dumps({"version": VERSION, "metadata": metadata, "benchmarks": benchmarks}, indent=1) + "\n"
 
 
-def _benchmark(
-    samples: Sequence[Sample], clock: str, launches: dict[tuple[str, int, int], Launch]
-) -> dict[str, Any]:
+def _benchmark(samples: Sequence[Sample], clock: str, launches: dict[tuple[str, int, int], Launch]) -> dict[str, Any]:
     """A cell; samples in which no time passed are left out, as pyperf's values are positive."""
     values: dict[tuple[str, int, int], list[float]] = {}
     for sample in samples:

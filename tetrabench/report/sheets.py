@@ -89,9 +89,7 @@ def _answers(part: Part) -> Sheet:
     return Sheet(
         title=part.title,
         head=["scenario", *_heads(part)],
-        rows=[
-            [Cell(task), *(words.get((task, one.name), Cell("")) for one in part.backends)] for task in part.tasks
-        ],
+        rows=[[Cell(task), *(words.get((task, one.name), Cell("")) for one in part.backends)] for task in part.tasks],
         notes=list(notes.about_part(part)),
     )
 
@@ -122,7 +120,7 @@ def _growth(results: Results, grown: Iterable[Growth], intervals: bool) -> Sheet
     smallest, largest = min(one.smallest for one in fitted), max(one.largest for one in fitted)
     return Sheet(
         title=f"Growth: time ~ size ** exponent, from {smallest:,} to {largest:,}",
-        head=["scenario", *(_head(backend) for backend in backends)],
+        head=["scenario", *map(_name, backends)],
         rows=[
             [Cell(task), *(Cell(_exponent(cells.get((task, one.name)), intervals)) for one in backends)]
             for task in dict.fromkeys(task for task, _ in cells)
@@ -143,7 +141,11 @@ def _heads(part: Part) -> list[str]:
 
 
 def _head(backend: Backend) -> str:
-    return backend.name + ("*" if backend.extension else "") + (" =1" if backend.name == backend.against else "")
+    return _name(backend) + (" =1" if backend.name == backend.against else "")
+
+
+def _name(backend: Backend) -> str:
+    return backend.name + ("*" if backend.extension else "")
 
 
 def _compared(part: Part, task: str, backend: Backend, intervals: bool) -> Cell:
@@ -163,7 +165,11 @@ def _share(part: Part, task: str, backend: Backend) -> str:
 def _costs(part: Part, columns: int) -> list[list[Cell]]:
     """Memory, and the time before the first sample; `columns` stand before the contestants."""
     lines: list[tuple[str, str, dict[str, str]]] = [
-        (kind, f"B/{part.item}", {name: f"{size:,.0f}" if isinstance(size, float) else size for name, size in sizes.items()})
+        (
+            kind,
+            f"B/{part.item}",
+            {name: f"{size:,.0f}" if isinstance(size, float) else size for name, size in sizes.items()},
+        )
         for kind, sizes in memory_of(part).items()
     ]
     if part.model == part.results.models[0]:

@@ -99,4 +99,4 @@ def _line(cells: list[str]) -> str:
 
 def _escape(texts: list[str]) -> list[str]:
     """What Markdown would take for its own."""
-    return [re.sub(r"([~*<>|])", r"\\\1", text) for text in texts]
+    return [re.sub(r"([~*<|])", r"\\\1", text) for text in texts]
