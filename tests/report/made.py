@@ -51,6 +51,7 @@ def make_results(
         "reference": REFERENCE,
         "effort": Effort(launches=launches, rounds=rounds, hopeless_rounds=3),
         "seed": 0,
+        "titles": [make_backend(name).title for name in SECONDS["init"]],
         "started": "2011-05-01T12:00:00+00:00",
         "elapsed_s": 1000.0,
         "environment": {"processor": "Intel Core2 T6400", "cores": 2, "system": "Linux", "python": "3.11.7"},
