@@ -5,8 +5,12 @@ BIN = $(VENV)/bin
 INSTALLED = build/installed
 RUN_TETS ?= 120k
 OUT ?= out
+# what `make gate` compares with: where this branch left it
+BASE ?= $(shell git rev-parse --quiet --verify origin/main >/dev/null && echo origin/main || echo HEAD~1)
+GATE = --model nozzle --tets 30k --backend v3y,v4 --scenario alfa,flow
+FORMAT ?= table
 
-.PHONY: run test test-all lint types bench-native bench-peers schema fuzz results thesis clean help
+.PHONY: gate gate-selftest run test test-all lint types bench-native bench-peers schema fuzz results thesis clean help
 
 help:            ## list the targets
 	@grep -E '^[a-z-]+: .*##|^[a-z-]+: *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 16
@@ -32,6 +36,13 @@ types: $(VENV)/developing  ## types and the direction of imports, on the package
 	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --target $(INSTALLED) .
 	cd $(INSTALLED) && PYTHONPATH=. ../../$(BIN)/lint-imports --config ../../pyproject.toml
 	cd $(INSTALLED) && ../../$(BIN)/mypy --config-file ../../pyproject.toml -p tetrabench
+
+gate: $(BIN)/tetrabench  ## is the working tree slower than BASE (origin/main, else HEAD~1)? some minutes
+	@mkdir -p $(OUT)
+	@$(BIN)/tetrabench gate --base "$$(git merge-base HEAD $(BASE) || echo $(BASE))" $(GATE) --format $(FORMAT) -o $(OUT)/gate.json
+
+gate-selftest: $(BIN)/tetrabench  ## the gate on trial: identical code passes, an injected slowdown is caught (some minutes)
+	$(BIN)/python tests/bench/gate_selftest.py
 
 bench-native: $(VENV)/developing  ## our kernels beside C on the same arrays (needs gcc)
 	$(BIN)/python tests/native/bench_native.py
