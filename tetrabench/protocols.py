@@ -60,6 +60,9 @@ class Stage(Protocol):
     def structure_bytes(self) -> Mapping[str, tuple[int, int]]:
         """Bytes (used, reserved) of each buffer of the structure as it stands now, by name; each buffer once."""
 
+    def build(self) -> None:
+        """Build the structure of the model now, if none stands."""
+
     def close(self) -> None:
         """Give everything back."""
 
@@ -67,7 +70,8 @@ class Stage(Protocol):
 class Scenario(Protocol):
     """A workload, written once against the interface of its family.
 
-    `options` are its counts with their defaults, `thesis` the counts of the source (same keys).
+    `options` are its counts with their defaults, `thesis` the counts of the source (same keys). `parallel`: it works
+    with several threads, and is measured by wall time.
     """
 
     @property
@@ -80,6 +84,8 @@ class Scenario(Protocol):
     def options(self) -> Options: ...
     @property
     def thesis(self) -> Options: ...
+    @property
+    def parallel(self) -> bool: ...
 
     def skip(self, contestant: Any) -> str | None:
         """Why this contestant cannot run it; None if it can."""

@@ -18,6 +18,7 @@ class TetraScenario:
     family = "tetra"
     options: ClassVar[Mapping[str, int]] = {}
     thesis: ClassVar[Mapping[str, int]] = {}
+    parallel: ClassVar[bool] = False
 
     def skip(self, contestant: Any) -> str | None:
         """Nothing here asks for more than the interface gives."""

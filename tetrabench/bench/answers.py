@@ -5,20 +5,31 @@ from collections.abc import Iterable, Mapping
 
 import msgspec
 
-from tetrabench.bench.record import Sample
+from tetrabench.bench.record import Backend, Sample
 
 Figures = Mapping[str, float | None]
 
 
-def judge(samples: list[Sample]) -> list[Sample]:
-    """The samples, those with a wrong answer marked "wrong-result".
+def judge(samples: Iterable[Sample], backends: Iterable[Backend]) -> list[Sample]:
+    """The samples, those with a wrong answer marked "wrong-result", those of a contestant that says now this, now that
+    "unstable".
 
-    In each scenario every contestant has one vote for each answer that it gave. Right is what more than half
-    of the contestants say, and more than say anything else; where there is no such answer, all are wrong.
+    In each task on each model every contestant has one vote for each answer that it gave; a control has none, for
+    it would be its reference's second. Right is what more than half of the contestants say, and more than say
+    anything else; where there is no such answer, all are wrong.
     """
-    scenarios = dict.fromkeys(sample.scenario for sample in samples)
-    right = {name: _majority(sample for sample in samples if sample.scenario == name) for name in scenarios}
-    return [_mark(sample, right[sample.scenario], samples) for sample in samples]
+    voters = {backend.name for backend in backends if not backend.control}
+    cells: dict[tuple[str, str], list[Sample]] = {}
+    samples = list(samples)
+    for sample in samples:
+        cells.setdefault((sample.model, sample.task), []).append(sample)
+    right = {place: _majority(sample for sample in cell if sample.backend in voters) for place, cell in cells.items()}
+    wavering = {place: _wavering(cell) for place, cell in cells.items()}
+    return [
+        _mark(sample, right[place], cells[place], sample.backend in wavering[place])
+        for sample in samples
+        if (place := (sample.model, sample.task))
+    ]
 
 
 def _majority(samples: Iterable[Sample]) -> Sample | None:
@@ -33,11 +44,17 @@ def _majority(samples: Iterable[Sample]) -> Sample | None:
     return next(sample for sample in said.values() if sample.digest == digest)
 
 
-def _mark(sample: Sample, right: Sample | None, samples: list[Sample]) -> Sample:
+def _wavering(cell: list[Sample]) -> set[str]:
+    """Contestants that gave more than one answer."""
+    said = {(sample.backend, sample.digest) for sample in cell if sample.status == "ok"}
+    return {backend for backend, count in Counter(backend for backend, _ in said).items() if count > 1}
+
+
+def _mark(sample: Sample, right: Sample | None, cell: list[Sample], wavers: bool) -> Sample:
     if sample.status != "ok" or (right is not None and sample.digest == right.digest):
         return sample
     if right is None:
-        digests = {one.backend: one.digest for one in samples if one.scenario == sample.scenario and one.digest}
+        digests = {one.backend: one.digest for one in cell if one.digest}
         said = ", ".join(f"{backend} {digest}" for backend, digest in digests.items())
         reason = f"no answer has a majority: {said}"
     else:
@@ -45,6 +62,8 @@ def _mark(sample: Sample, right: Sample | None, samples: list[Sample]) -> Sample
             f"{sample.backend} says {sample.digest}, most say {right.digest}: "
             f"{_difference(sample.figures, right.figures)}"
         )
+    if wavers:
+        return msgspec.structs.replace(sample, status="unstable", reason=f"not always the same answer; {reason}")
     return msgspec.structs.replace(sample, status="wrong-result", reason=reason)
 
 

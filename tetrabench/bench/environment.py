@@ -28,8 +28,13 @@ def describe_environment() -> Facts:
         "python": platform.python_version(),
         **{package: _version(package) for package in PACKAGES},
         "revision": _try(_revision),
-        "load_1_minute": _try(lambda: os.getloadavg()[0]),
+        "load_1_minute": load(),
     }
+
+
+def load() -> float | None:
+    """Processes that were running or waiting to, over the last minute."""
+    return _try(lambda: os.getloadavg()[0])
 
 
 def usable_cores() -> list[int]:
@@ -42,6 +47,13 @@ def usable_cores() -> list[int]:
 def cpu_ticks() -> tuple[int, int] | None:
     """Ticks of all cores since boot: (stolen by other guests of the machine, all); None off Linux."""
     return _try(_cpu_ticks)
+
+
+def steal_share(before: tuple[int, int] | None, after: tuple[int, int] | None) -> float | None:
+    """Share of the machine's time that other guests of the host took between two readings of `cpu_ticks`."""
+    if before is None or after is None or before[1] == after[1]:
+        return None
+    return (after[0] - before[0]) / (after[1] - before[1])
 
 
 def _cpu_ticks() -> tuple[int, int]:

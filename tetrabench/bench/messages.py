@@ -1,7 +1,7 @@
 """What the parent and a worker say to each other: one request, one reply, a line of JSON each.
 
-The order is Open, Warm for each task, Load, Measure again and again; or Open, Weigh; or Yardsticks alone. The end of
-the pipe means close.
+The order is Open, Warm for each task, Load, Measure again and again; or Open, Weigh; or Gauge, Describe, Find alone.
+The end of the pipe means close.
 """
 
 import msgspec
@@ -52,6 +52,22 @@ class Gauge(msgspec.Struct, frozen=True, tag=True):
     """Measure what the machine can do. Reply: Gauged."""
 
 
+class Describe(msgspec.Struct, frozen=True, tag=True):
+    """Say what a family has to offer. Reply: Described."""
+
+    family: str
+
+
+class Find(msgspec.Struct, frozen=True, tag=True):
+    """Find the file of a model, or generate it: see `Family.find_model`. Reply: Found."""
+
+    family: str
+    model: str
+    size: int | None = None
+    numbering: str = "natural"
+    seed: int = 0
+
+
 class Done(msgspec.Struct, frozen=True, tag=True):
     """It took so long: wall time in seconds. `compiled`: kernels that were in no cache."""
 
@@ -85,17 +101,50 @@ class Measured(msgspec.Struct, frozen=True, tag=True, kw_only=True):
 
 
 class Weighed(msgspec.Struct, frozen=True, tag=True, kw_only=True):
-    """Figures as in `record.Memory`."""
+    """Figures as in `record.Memory`. `compiled`: kernels that were in no cache, whose compiler is in the way of them."""
 
     structure: dict[str, tuple[int, int]]
     retained_bytes: int | None
     peak_bytes: int | None
+    compiled: int = 0
 
 
 class Gauged(msgspec.Struct, frozen=True, tag=True):
     """What the machine can do."""
 
     yardsticks: Yardsticks
+
+
+class ContestantFacts(msgspec.Struct, frozen=True, kw_only=True):
+    """What a plan needs to know of a contestant, see `protocols.Contestant`."""
+
+    name: str
+    title: str
+    extension: bool = False
+
+
+class ScenarioFacts(msgspec.Struct, frozen=True, kw_only=True):
+    """What a plan needs to know of a scenario, see `protocols.Scenario`."""
+
+    name: str
+    options: dict[str, int]
+    thesis: dict[str, int]
+    parallel: bool = False
+
+
+class Described(msgspec.Struct, frozen=True, tag=True, kw_only=True):
+    """What a family has to offer, in the order of its tables."""
+
+    reference: str
+    thesis_order: list[str]
+    contestants: list[ContestantFacts]
+    scenarios: list[ScenarioFacts]
+
+
+class Found(msgspec.Struct, frozen=True, tag=True):
+    """The path of a model's file."""
+
+    path: str
 
 
 class Skipped(msgspec.Struct, frozen=True, tag=True):
@@ -115,8 +164,8 @@ class Failed(msgspec.Struct, frozen=True, tag=True):
     oom: bool = False
 
 
-Request = Open | Warm | Load | Measure | Weigh | Gauge
-Reply = Done | Loaded | Measured | Weighed | Gauged | Skipped | Failed
+Request = Open | Warm | Load | Measure | Weigh | Gauge | Describe | Find
+Reply = Done | Loaded | Measured | Weighed | Gauged | Described | Found | Skipped | Failed
 
 
 def encode(message: Request | Reply) -> bytes:

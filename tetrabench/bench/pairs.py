@@ -7,9 +7,8 @@ the ratios are spread.
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from statistics import median
 from typing import NamedTuple, TypeVar
-
-import numpy as np
 
 Ours = TypeVar("Ours")
 Theirs = TypeVar("Theirs")
@@ -39,9 +38,9 @@ def in_turn(turns: int, ours: Callable[[], Ours], theirs: Callable[[], Theirs]) 
 
 def paired_ratio(ours: Sequence[float], theirs: Sequence[float]) -> Ratio:
     """The ratio ours / theirs, pair by pair; at least FEWEST pairs."""
-    ratios = np.sort(np.asarray(ours, np.float64) / np.asarray(theirs, np.float64))
+    ratios = sorted(one / other for one, other in zip(ours, theirs, strict=True))
     rank = interval_rank(len(ratios))
-    return Ratio(float(np.median(ratios)), float(ratios[rank]), float(ratios[-1 - rank]))
+    return Ratio(median(ratios), ratios[rank], ratios[-1 - rank])
 
 
 def interval_rank(n: int, confidence: float = CONFIDENCE) -> int:

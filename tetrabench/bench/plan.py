@@ -1,5 +1,6 @@
 """What a run will do: which contestants do which tasks on which models, how often, and in which order."""
 
+import hashlib
 import random
 import re
 import shlex
@@ -7,14 +8,15 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
+from typing import TypeVar
 
 import msgspec
 
-from tetrabench import registry
+from tetrabench.bench.catalogue import Guide, Registry
+from tetrabench.bench.messages import ContestantFacts, Described, Find, ScenarioFacts
 from tetrabench.bench.record import Backend, Effort, Model, Task
 from tetrabench.bench.statistics import fewest_launches
-from tetrabench.errors import InputError
-from tetrabench.protocols import Contestant, Family, Scenario
+from tetrabench.errors import InputError, find_named
 
 EFFORTS = {
     "default": Effort(launches=8, rounds=3, hopeless_rounds=3, narrow=0.03),
@@ -103,6 +105,7 @@ def make_plan(
     seed: int = 0,
     budget_s: float | None = None,
     timeout_s: float | None = None,
+    guide: Guide | None = None,
 ) -> Plan:
     """Look up what is asked for by name; find the model, or have it generated.
 
@@ -118,14 +121,14 @@ def make_plan(
         numbering: of a generated model: "natural", "shuffled", "hilbert" or "rcm".
         seed: of a generated model, and of the order of turns.
         budget_s, timeout_s: see `Plan`.
+        guide: who knows families and finds models; this process unless it shall stay small.
 
     Raises:
         InputError: unknown names, a model that is not there, a count below 1, more than one round with the thesis.
     """
-    kind = registry.family(family)
-    chosen = registry.contestants(family)
-    if backends is not None:
-        chosen = [registry.contestant(family, name) for name in dict.fromkeys(backends)]
+    guide = guide or Registry()
+    kind = guide.describe(family)
+    chosen = _choose("backend", kind.contestants, backends)
     names = [contestant.name for contestant in chosen]
     if reference is None:
         reference = kind.reference if kind.reference in names else next(iter(names), "")
@@ -155,9 +158,9 @@ def make_plan(
     return Plan(
         family=family,
         models={
-            asked if size is None or len(tets or ()) < 2 else f"{asked}-{size}": kind.find_model(
-                str(model), size=size, numbering=numbering, seed=seed
-            ).absolute()
+            asked if len(tets or ()) < 2 else f"{asked}-{size}": guide.find_model(
+                Find(family, str(model), size, numbering, seed)
+            )
             for size in (dict.fromkeys(tets) if tets else [None])
         },
         tasks=tuple(make_tasks(_choose_scenarios(kind, scenarios, thesis), options or {}, thesis=thesis)),
@@ -174,7 +177,7 @@ def make_plan(
     )
 
 
-def seat(chosen: Sequence[Contestant], reference: str, *, has_control: bool) -> tuple[Backend, ...]:
+def seat(chosen: Sequence[ContestantFacts], reference: str, *, has_control: bool) -> tuple[Backend, ...]:
     """The contestants as backends of a run, the reference's control last."""
     backends = [
         Backend(name=one.name, contestant=one.name, title=one.title, against=reference, extension=one.extension)
@@ -191,7 +194,7 @@ def control_of(backend: Backend) -> Backend:
 
 
 def make_tasks(
-    scenarios: Sequence[Scenario], options: Mapping[str, Sequence[int]], *, thesis: bool = False
+    scenarios: Sequence[ScenarioFacts], options: Mapping[str, Sequence[int]], *, thesis: bool = False
 ) -> Iterator[Task]:
     """The scenarios with their counts; with several values of an option, one task for each.
 
@@ -213,16 +216,14 @@ def make_tasks(
         for values in product(*swept.values()):
             chosen = counts | dict(zip(swept, values, strict=True))
             words = [scenario.name, *(f"{name}={chosen[name]}" for name in several)]
-            yield Task(
-                name=" ".join(words), scenario=scenario.name, options=chosen, parallel=scenario.parallel
-            )
+            yield Task(name=" ".join(words), scenario=scenario.name, options=chosen, parallel=scenario.parallel)
     if left:
         known = sorted({f"{one.name}.{name}" for one in scenarios for name in one.options})
         raise InputError(f"no scenario has the option {', '.join(sorted(left))}; there are: {', '.join(known)}")
 
 
 def parse_option(text: str) -> tuple[str, list[int]]:
-    """"alfa.sweeps=10,50" as a name and its values; a range 1..4 stands for 1,2,3,4.
+    """ "alfa.sweeps=10,50" as a name and its values; a range 1..4 stands for 1,2,3,4.
 
     Raises:
         InputError: it is something else.
@@ -237,11 +238,18 @@ def parse_option(text: str) -> tuple[str, list[int]]:
     return name.strip(), list(dict.fromkeys(numbers))
 
 
-def _choose_scenarios(family: Family, names: Sequence[str] | None, thesis: bool) -> list[Scenario]:
+Facts = TypeVar("Facts", ContestantFacts, ScenarioFacts)
+
+
+def _choose(kind: str, known: Sequence[Facts], names: Sequence[str] | None) -> list[Facts]:
+    """Those asked for, in the order asked for; all if that is None."""
+    by_name = {one.name: one for one in known}
+    return list(known) if names is None else [find_named(kind, by_name, name) for name in dict.fromkeys(names)]
+
+
+def _choose_scenarios(family: Described, names: Sequence[str] | None, thesis: bool) -> list[ScenarioFacts]:
     """The scenarios asked for, in the order asked for; with `thesis`, those of the source, in its order."""
-    chosen = registry.scenarios(family.name)
-    if names is not None:
-        chosen = [registry.scenario(family.name, name) for name in dict.fromkeys(names)]
+    chosen = _choose("scenario", family.scenarios, names)
     if thesis:
         others = [scenario.name for scenario in chosen if scenario.name not in family.thesis_order]
         if names is not None and others:
@@ -281,12 +289,10 @@ def _command(model: str, verb: str, **flags: object) -> str:
     return shlex.join(words)
 
 
-def model_of(name: str, path: Path, size: Mapping[str, int]) -> Model:
-    """The record of a model; its digest is that of the file."""
-    import hashlib
-
+def model_of(name: str, path: Path) -> Model:
+    """The record of a model whose size is not known yet; its digest is that of the file."""
     digest = hashlib.blake2b(digest_size=8)
     with path.open("rb") as file:
         while part := file.read(1 << 20):
             digest.update(part)
-    return Model(name=name, size=dict(size), digest=digest.hexdigest())
+    return Model(name=name, digest=digest.hexdigest())

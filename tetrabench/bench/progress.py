@@ -11,8 +11,9 @@ class Progress(Protocol):
     def started(self, plan: Plan) -> None:
         """The run begins."""
 
-    def step(self, text: str, done: int, total: int, seconds_remaining: float | None) -> None:
-        """`text` happens now; so much of the total is done. Warming and measuring each count from 0."""
+    def step(self, phase: str, detail: str, done: int, total: int, seconds_remaining: float | None) -> None:
+        """`detail` of a phase happens now; so much of the total is done. Weighing and warming count for themselves,
+        samples through all launches."""
 
 
 class Silence:
@@ -21,5 +22,5 @@ class Silence:
     def started(self, plan: Plan) -> None:
         """Say nothing."""
 
-    def step(self, text: str, done: int, total: int, seconds_remaining: float | None) -> None:
+    def step(self, phase: str, detail: str, done: int, total: int, seconds_remaining: float | None) -> None:
         """Say nothing."""

@@ -1,23 +1,25 @@
 """The ring: one worker a contestant, all alive, taking turns. While one measures, the others wait.
 
-What a worker's death, exception or refusal means for the run is decided here:
+A ring lasts for one launch, on one model. What a worker's death, silence, exception or refusal means for the run is
+decided here:
 
-- it ends the contestant's cell, as "crash", "error" or "skipped", and no other cell;
-- a worker that died is spawned anew before the next scenario;
+- it ends the contestant's cell, as "crash", "timeout", "oom", "error" or "unsupported", and no other cell;
+- a worker that died is spawned anew before the next task;
 - what ends on the small model, while it is warmed, is not measured at all;
-- in the thesis profile all scenarios share one net: a crash or an error skips the remaining cells as well.
+- in the thesis profile all scenarios share one net: a bad end skips the remaining cells as well.
 """
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from threading import Lock
 from time import perf_counter
 from types import TracebackType
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Protocol
 
 import msgspec
 
-from tetrabench.bench.agenda import Agenda
+from tetrabench.bench.agenda import Agenda, Cell, End
 from tetrabench.bench.environment import usable_cores
 from tetrabench.bench.messages import (
     Done,
@@ -32,14 +34,19 @@ from tetrabench.bench.messages import (
     Skipped,
     Warm,
 )
-from tetrabench.bench.plan import Plan, Task
+from tetrabench.bench.plan import Plan
 from tetrabench.bench.progress import Progress
-from tetrabench.bench.record import Backend, Sample
+from tetrabench.bench.record import Backend, Sample, Task
 from tetrabench.bench.spawn import WorkerDied
 from tetrabench.errors import InputError, MemoryRefusedError
 
 HOPELESS = 10.0
 """A contestant that takes so many times the reference's CPU time in the first round gets fewer rounds."""
+LONG_S = 0.02
+"""A sample repeats its scenario until it is so long, as far as it may."""
+MOST_REPEATS = 100
+PREPARED_S = 1.0
+"""Preparing the repeats of a sample takes no longer than this, if one preparation takes no longer."""
 
 
 class Worker(Protocol):
@@ -48,8 +55,8 @@ class Worker(Protocol):
     def ask(self, request: Request) -> Reply:
         """Send a request, wait for the reply. Raises WorkerDied."""
 
-    def pin(self, core: int) -> None:
-        """Let it run on this core alone."""
+    def pin(self, cores: set[int]) -> None:
+        """Let it run on these cores alone."""
 
     def close(self) -> None:
         """Let it end."""
@@ -58,11 +65,7 @@ class Worker(Protocol):
         """End it."""
 
 
-class End(NamedTuple):
-    """Why a cell has no figures, or no more of them: a status of `record.Sample`, and the reason."""
-
-    status: str
-    reason: str
+Spawn = Callable[[Backend], Worker]
 
 
 class _Seat:
@@ -72,8 +75,6 @@ class _Seat:
         self.name = backend.name
         self.backend = backend
         self.worker: Worker | None = None
-        self.ends: dict[str, End] = {}  # by scenario
-        self.ready_s = 0.0  # from the start of the worker until it has its model
         self.compiled = 0  # kernels that its worker had to compile
         self.broken = ""  # why the one net of the thesis profile cannot be used any more
 
@@ -83,21 +84,34 @@ class _Seat:
 
 
 class Ring:
-    """All contestants of a plan, each with its worker. A context: the workers end with it.
+    """Contestants with their workers, for one launch. A context: the workers end with it.
 
     Attributes:
         model_size: how large the model is, once a worker has seen it.
+        seconds: wall time by what it was spent on, see `record.Launch`.
+        core: that the workers share in serial tasks.
     """
 
-    def __init__(self, plan: Plan, progress: Progress, spawn: Callable[[], Worker]) -> None:
+    def __init__(
+        self,
+        plan: Plan,
+        agenda: Agenda,
+        progress: Progress,
+        spawn: Spawn,
+        *,
+        model: str,
+        backends: Sequence[Backend],
+        launch: int = 0,
+        group: int = 0,
+    ) -> None:
         self.model_size: dict[str, int] = {}
-        self._plan = plan
-        self._progress = progress
-        self._spawn = spawn
-        self._seats = {backend.name: _Seat(backend) for backend in plan.backends}
-        self._agenda = Agenda(plan)
+        self.seconds = dict.fromkeys(("starting", "compiling", "reading", "preparing", "samples", "answers"), 0.0)
+        self._plan, self._agenda, self._progress, self._spawn = plan, agenda, progress, spawn
+        self._model, self._launch, self._group = model, launch, group
+        self._seats = {backend.name: _Seat(backend) for backend in backends}
         self._cores = usable_cores()
-        self._lock = Lock()  # of what the warming threads share: progress, and spawning against closing
+        self.core = self._cores[-1 - launch % len(self._cores)]
+        self._lock = Lock()  # of what the warming threads share: progress, seconds, and spawning against closing
         self._warmed = 0
         self._closed = False
 
@@ -117,40 +131,62 @@ class Ring:
                 worker.close()
         self._kill()
 
+    def cell(self, task: Task, seat: _Seat) -> Cell:
+        """The cell of a contestant."""
+        return Cell(self._model, task.name, seat.name)
+
     # -- before the first sample
 
     def warm(self) -> None:
-        """Spawn all workers, compile all kernels, read the model: as many at once as there are cores.
+        """Spawn all workers, compile or load all kernels, read the model: as many at once as there are cores.
 
         Raises:
             InputError: the model cannot be used.
+            MemoryRefusedError: by nobody, for want of memory.
         """
+        begin = perf_counter()
         with ThreadPoolExecutor(len(self._cores)) as pool:
-            starts = [pool.submit(self._start, seat, self._plan.tasks) for seat in self._seats.values()]
+            starts = [pool.submit(self._start, seat, self._tasks()) for seat in self._seats.values()]
             try:
                 for start in starts:
                     start.result()
             except BaseException:
                 self._kill()  # the threads find their workers dead, and end
                 raise
+        passed, worked = perf_counter() - begin, sum(self.seconds.values())
+        for kind in self.seconds:  # it went on side by side
+            self.seconds[kind] *= passed / worked if worked else 1.0
+        self._refuse_if_nobody_is_left()
+
+    def _tasks(self) -> list[Task]:
+        return [task for task in self._plan.tasks if not self._agenda.is_over(self._model, task.name)]
+
+    def _refuse_if_nobody_is_left(self) -> None:
+        tasks = self._tasks()
+        ends = [self._agenda.ends.get(self.cell(task, seat)) for seat in self._seats.values() for task in tasks]
+        reasons = [end.reason for end in ends if end is not None and end.status == "oom"]
+        if ends and len(reasons) == len(ends):
+            raise MemoryRefusedError(reasons[0])
 
     def _start(self, seat: _Seat, tasks: Sequence[Task]) -> None:
         """Give a contestant a worker, warm for these tasks and with the model, or note why it has none."""
-        start = perf_counter()
         reply = self._open_and_warm(seat, tasks)
         if seat.compiled:  # what the compiler left in memory would count as the contestant's: a new worker
-            compile_s, start = seat.backend.compile_s, perf_counter()
+            compile_s = seat.backend.compile_s
             reply = self._open_and_warm(seat, tasks)
             seat.learn(compile_s=compile_s)
         if isinstance(reply, Done):
-            reply = self._ask(seat, Load(str(self._plan.path)))
+            reply = self._ask(seat, Load(str(self._plan.models[self._model])), "reading")
         if isinstance(reply, Loaded):
             self.model_size = reply.model_size
-            seat.ready_s = perf_counter() - start
-            seat.learn(structure=reply.structure)
+            if reply.structure:
+                seat.learn(structure=reply.structure)
         elif isinstance(reply, End):
             for task in tasks:
-                seat.ends.setdefault(task.scenario, End(reply.status, f"before its first sample: {reply.reason}"))
+                if self.cell(task, seat) not in self._agenda.ends:
+                    self._agenda.end(
+                        self.cell(task, seat), End(reply.status, f"before its first sample: {reply.reason}")
+                    )
 
     def _open_and_warm(self, seat: _Seat, tasks: Sequence[Task]) -> Reply | End:
         reply = self._open(seat)
@@ -159,89 +195,130 @@ class Ring:
         return reply
 
     def _open(self, seat: _Seat) -> Reply | End:
+        begin = perf_counter()
         with self._lock:
             if self._closed:
                 return End("skipped", "the run is over")
             if seat.worker is not None:
                 seat.worker.kill()
-            seat.worker = self._spawn()
+            seat.worker = self._spawn(seat.backend)
+        self._book("starting", perf_counter() - begin)
         seat.learn(compile_s=0.0)
         seat.compiled = 0
-        return self._ask(seat, Open(self._plan.family, seat.name, self._plan.chained))
+        return self._ask(seat, Open(self._plan.family, seat.backend.contestant, self._plan.chained), "starting")
 
     def _warm(self, seat: _Seat, task: Task) -> bool:
         """Compile what a scenario needs. False: the worker did not survive it."""
-        if task.scenario in seat.ends:
+        cell = self.cell(task, seat)
+        if cell in self._agenda.ends:
             return True
-        reply = self._ask(seat, Warm(task.scenario, task.options))
+        reply = self._ask(seat, Warm(task.scenario, task.options), "compiling")
         if isinstance(reply, End):
-            reason = reply.reason if reply.status == "skipped" else f"on the small model: {reply.reason}"
-            seat.ends[task.scenario] = End(reply.status, reason)
+            reason = reply.reason if reply.status == "unsupported" else f"on the small model: {reply.reason}"
+            self._agenda.end(cell, End(reply.status, reason))
         elif isinstance(reply, Done):
             seat.learn(compile_s=seat.backend.compile_s + reply.wall_s)
             seat.compiled += reply.compiled
         with self._lock:
             self._warmed += 1
-            cells = len(self._seats) * len(self._plan.tasks)
-            self._progress.step(f"compiled {task.scenario} for {seat.name}", min(self._warmed, cells), cells, None)
+            cells = len(self._seats) * len(self._tasks())
+            phase = "compiling" if seat.compiled else "loading what was compiled"
+            left = self._agenda.seconds_remaining()
+            self._progress.step(phase, f"{task.name} for {seat.name}", min(self._warmed, cells), cells, left)
         return seat.worker is not None
 
     # -- samples
 
     def measure(self, task: Task) -> Iterator[Sample]:
-        """All turns of a scenario, round after round."""
+        """All turns of a task in this launch, round after round."""
+        if self._agenda.is_over(self._model, task.name):
+            return
+        known = set(self._agenda.ends)
         for seat in self._seats.values():
             self._make_ready(seat, task)
-            if task.scenario in seat.ends:
-                self._close_cell(task, seat, seat.ends[task.scenario])
-                yield self._sample(task, seat, 0, 0, seat.ends[task.scenario])
-        for round, order in enumerate(self._plan.orders(task)):
-            samples = []
-            for turn, name in enumerate(name for name in order if self._agenda.left(task.scenario, name)):
+        if not self._plan.chained and self._plan.profile != "check":
+            self._calibrate(task)
+        for seat in self._seats.values():
+            cell = self.cell(task, seat)
+            if cell in self._agenda.ends and (cell not in known or self._launch == 0):
+                yield self._sample(task, seat, 0, 0, self._agenda.ends[cell])
+        names = list(self._seats)
+        for round, order in enumerate(self._plan.orders(self._model, task, self._launch, names)):
+            place = (self._model, task.name, self._launch, self._group, round)
+            if place in self._agenda.begun:
+                continue
+            samples: list[Sample] = []
+            takers = [name for name in order if self._agenda.has_turn(self.cell(task, self._seats[name]), round)]
+            if not any(map(self._agenda.is_compared, takers)):
+                break
+            for turn, name in enumerate(takers):
                 samples.append(self._take_turn(task, self._seats[name], round, turn))
                 yield samples[-1]
-            if round == 0:
+            if round == 0 and self._launch == 0:
                 self._spare_the_hopeless(task, samples)
 
     def _make_ready(self, seat: _Seat, task: Task) -> None:
-        """A new worker for a contestant that has lost its own; and the one core that all share."""
+        """A new worker for a contestant that has lost its own; and the cores that all share."""
+        cell = self.cell(task, seat)
         if seat.broken:
-            seat.ends.setdefault(task.scenario, End("skipped", seat.broken))
-        elif seat.worker is None and task.scenario not in seat.ends:
-            tasks = self._plan.tasks
+            self._agenda.end(cell, End("skipped", seat.broken))
+        elif seat.worker is None and cell not in self._agenda.ends:
+            tasks = self._tasks()
             self._start(seat, tasks[tasks.index(task) :])
-        if seat.worker is not None and self._plan.threads == 1:
-            seat.worker.pin(self._cores[-1])
+        if seat.worker is not None:
+            seat.worker.pin(set(self._cores) if task.parallel else {self.core})
+
+    def _calibrate(self, task: Task) -> None:
+        """Find out how often a scenario must run in one sample, the same for all: from one run by the reference."""
+        place = (self._model, task.name)
+        seats = sorted(self._seats.values(), key=lambda seat: seat.name != self._plan.reference)
+        for seat in seats:
+            cell = self.cell(task, seat)
+            if place in self._agenda.repeats or cell in self._agenda.ends or seat.worker is None:
+                continue
+            self._step(task, seat, 0)
+            reply = self._ask(seat, Measure(task.scenario, task.options), "preparing")
+            if isinstance(reply, Measured):
+                seconds = reply.wall_s if task.parallel else reply.cpu_s
+                self._agenda.repeats[place] = find_repeats(seconds, reply.prepare_s)
+            elif isinstance(reply, End):
+                self._agenda.end(cell, reply)
 
     def _take_turn(self, task: Task, seat: _Seat, round: int, turn: int) -> Sample:
-        agenda = self._agenda
-        text = f"{task.scenario}: {seat.name}, round {round + 1}"
-        self._progress.step(text, agenda.done, agenda.total, agenda.seconds_remaining())
-        start = perf_counter()
-        reply = self._ask(seat, Measure(task.scenario, task.options))
-        agenda.took(task.scenario, seat.name, perf_counter() - start)
+        cell = self.cell(task, seat)
+        self._step(task, seat, round)
+        begin = perf_counter()
+        repeats = self._agenda.repeats.get((self._model, task.name), 1)
+        reply = self._ask(seat, Measure(task.scenario, task.options, repeats))
+        self._agenda.begun.add((self._model, task.name, self._launch, self._group, round))
+        self._agenda.took(cell, perf_counter() - begin)
         if isinstance(reply, Measured):
-            self._learn_from(seat, reply)
+            for kind, spent in (
+                ("preparing", reply.prepare_s),
+                ("samples", reply.wall_s),
+                ("answers", reply.answer_s),
+            ):
+                self._book(kind, spent)
+            if not seat.backend.structure:  # a stage may build its net when a scenario first asks for one
+                seat.learn(structure=reply.structure)
         elif isinstance(reply, End):
-            self._close_cell(task, seat, reply)
+            self._agenda.end(cell, reply)
+            if self._plan.chained and reply.status != "unsupported":
+                seat.broken = f"worker {'failed' if reply.status == 'error' else 'was lost'} in {task.name}"
         return self._sample(task, seat, round, turn, reply)
 
-    def _learn_from(self, seat: _Seat, reply: Measured) -> None:
-        if not seat.backend.first_sample_s:
-            seat.learn(first_sample_s=seat.ready_s + reply.prepare_s)
-        if not seat.backend.structure:  # a stage may build its net when a scenario first asks for one
-            seat.learn(structure=reply.structure)
-
-    def _close_cell(self, task: Task, seat: _Seat, end: End) -> None:
-        self._agenda.limit(task.scenario, seat.name, 0)
-        if self._plan.chained and end.status != "skipped":
-            seat.broken = f"worker {'crashed' if end.status == 'crash' else 'failed'} in {task.scenario}"
+    def _step(self, task: Task, seat: _Seat, round: int) -> None:
+        phase = f"launch {self._launch + 1} of {self._plan.effort.launches}"
+        left = self._agenda.seconds_remaining()
+        detail = f"{task.name}, {seat.name}, round {round + 1}"
+        self._progress.step(phase, detail, self._agenda.done, self._agenda.total, left)
 
     def _spare_the_hopeless(self, task: Task, samples: list[Sample]) -> None:
         cpu_s = {sample.backend: sample.cpu_s for sample in samples if sample.cpu_s is not None}
         for name, seconds in cpu_s.items():
-            if seconds > HOPELESS * cpu_s.get(self._plan.reference, seconds):
-                self._agenda.limit(task.scenario, name, self._plan.effort.hopeless_rounds - 1)
+            seat = self._seats[name]
+            if seconds > HOPELESS * cpu_s.get(seat.backend.against, seconds):
+                self._agenda.spare(self.cell(task, seat), self._plan.effort.hopeless_rounds - 1)
 
     def _sample(self, task: Task, seat: _Seat, round: int, turn: int, reply: Reply | End) -> Sample:
         """The record of a turn, or of a cell that has none."""
@@ -251,16 +328,15 @@ class Ring:
             structure = figures.pop("structure")
             figures["structure_bytes"] = sum(used for used, _ in structure.values())
             figures["reserved_bytes"] = sum(reserved for _, reserved in structure.values())
-            del figures["prepare_s"]
         else:
             assert isinstance(reply, End), reply
             figures = {"status": reply.status, "reason": reply.reason}
-        plan = self._plan
         return Sample(
-            family=plan.family,
-            model=plan.model,
-            scenario=task.scenario,
+            model=self._model,
+            task=task.name,
             backend=seat.name,
+            launch=self._launch,
+            group=self._group,
             round=round,
             turn=turn,
             **figures,
@@ -268,23 +344,32 @@ class Ring:
 
     # -- workers
 
-    def _ask(self, seat: _Seat, request: Request) -> Reply | End:
+    def _ask(self, seat: _Seat, request: Request, spent_on: str = "") -> Reply | End:
         """What the worker replies, or why that is no figure."""
         assert seat.worker is not None
+        begin = perf_counter()
         try:
             reply = seat.worker.ask(request)
         except WorkerDied as death:
             seat.worker = None
-            return End("crash", str(death))
+            return End(death.status, str(death))
+        finally:
+            if spent_on:
+                self._book(spent_on, perf_counter() - begin)
         match reply:
             case Skipped(reason):
-                return End("skipped", reason)
+                return End("unsupported", reason)
+            case Failed(reason, _, True):
+                return End("oom", reason)
             case Failed(reason, exit_code):
                 if exit_code and isinstance(request, Open | Load):
-                    kind = MemoryRefusedError if exit_code == MemoryRefusedError.exit_code else InputError
-                    raise kind(reason)
+                    raise InputError(reason)
                 return End("error", reason)
         return reply
+
+    def _book(self, kind: str, seconds: float) -> None:
+        with self._lock:
+            self.seconds[kind] += seconds
 
     def _workers(self) -> list[Worker]:
         return [seat.worker for seat in self._seats.values() if seat.worker is not None]
@@ -295,3 +380,10 @@ class Ring:
             self._closed = True
             for worker in self._workers():
                 worker.kill()
+
+
+def find_repeats(run_s: float, prepare_s: float) -> int:
+    """How often a sample runs its scenario, where one run and its preparation take so long."""
+    wanted = math.ceil(LONG_S / max(run_s, 1e-9))
+    affordable = int(PREPARED_S / prepare_s) if prepare_s > 0 else MOST_REPEATS
+    return max(1, min(wanted, affordable, MOST_REPEATS))

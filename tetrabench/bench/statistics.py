@@ -9,7 +9,7 @@ enough to hold for all contestants of a task together (Bonferroni).
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from statistics import median
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import msgspec
 
@@ -166,7 +166,7 @@ def _row(
     confidence: float,
     launches: Sequence[Launch],
 ) -> Row:
-    facts = {
+    facts: dict[str, Any] = {
         "model": samples[0].model,
         "task": samples[0].task,
         "backend": backend.name,
@@ -176,11 +176,11 @@ def _row(
         "clock": clock,
     }
     good = [sample for sample in samples if sample.status == "ok"]
-    counts = {"launches": len({sample.launch for sample in good}), "samples": len(good)}
+    facts |= {"launches": len({sample.launch for sample in good}), "samples": len(good)}
     for status, verdict in _ENDS.items():
         bad = next((sample for sample in samples if sample.status == status), None)
         if bad is not None:
-            return Row(**facts, **counts, status=status, verdict=verdict, reason=bad.reason)
+            return Row(**facts, status=status, verdict=verdict, reason=bad.reason)
     seconds = median(_seconds(sample, clock) for sample in samples)
     interval = interval_over(launch_ratios(samples, reference, clock).values(), confidence)
     verdict = _verdict(samples, reference, backend, clock, interval)
@@ -191,7 +191,6 @@ def _row(
     shown = interval if backend.name != backend.against else None
     return Row(
         **facts,
-        **counts,
         status="ok",
         verdict=verdict,
         seconds=seconds,
@@ -226,13 +225,14 @@ def interval_over(ratios: Iterable[float], confidence: float) -> Interval | None
         return None
     is_whole = len(ordered) >= fewest_for(confidence)
     rank = interval_rank(len(ordered), confidence) if is_whole else 0
-    return Interval(*map(math.exp, (median(ordered), ordered[rank], ordered[-1 - rank])), is_whole)
+    ratio, low, high = map(math.exp, (median(ordered), ordered[rank], ordered[-1 - rank]))
+    return Interval(ratio, low, high, is_whole)
 
 
 def verdict_of(interval: Interval) -> str:
     """What an interval says: "faster", "slower", "same", "inconclusive", "about"."""
     limit = BEYOND if interval.is_whole else CLEAR
-    if interval.is_whole and 1 / ALIKE <= interval.low and interval.high <= ALIKE:
+    if interval.is_whole and interval.low >= 1 / ALIKE and interval.high <= ALIKE:
         return "same"
     if interval.low > limit:
         return "slower"

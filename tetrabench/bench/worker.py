@@ -15,11 +15,18 @@ from time import perf_counter
 from typing import Any, BinaryIO
 
 from tetrabench import registry
-from tetrabench.bench.clock import read_clocks
-from tetrabench.bench.memory import peak_bytes, reset_peak, trim_heap
+from tetrabench.bench.catalogue import Registry
+from tetrabench.bench.clock import Clocks, read_clocks
+from tetrabench.bench.memory import peak_bytes, private_bytes, reset_peak, trim_heap
 from tetrabench.bench.messages import (
+    PROTOCOL,
+    Describe,
     Done,
     Failed,
+    Find,
+    Found,
+    Gauge,
+    Gauged,
     Load,
     Loaded,
     Measure,
@@ -29,11 +36,15 @@ from tetrabench.bench.messages import (
     Request,
     Skipped,
     Warm,
+    Weigh,
+    Weighed,
     decode_request,
     encode,
 )
-from tetrabench.errors import InputError, TetrabenchError
+from tetrabench.bench.yardsticks import measure_yardsticks
+from tetrabench.errors import InputError, MemoryRefusedError, TetrabenchError
 from tetrabench.jit import count_compiled
+from tetrabench.memory import held_to_available
 from tetrabench.protocols import Contestant, Family, Options, Scenario, Stage
 
 
@@ -47,6 +58,10 @@ class Worker:
         """Do what is asked. An exception of a contestant's becomes the reply."""
         try:
             return self._do(request)
+        except MemoryError as error:
+            return Failed(f"not enough memory: {_one_line(error)}", oom=True)
+        except MemoryRefusedError as error:
+            return Failed(_one_line(error), error.exit_code, oom=True)
         except (Exception, SystemExit) as error:
             return Failed(_one_line(error), error.exit_code if isinstance(error, InputError) else 0)
 
@@ -60,70 +75,107 @@ class Worker:
         start = perf_counter()
         match request:
             case Open():
+                if request.protocol != PROTOCOL:
+                    raise InputError(f"messages of version {request.protocol}; this tetrabench knows {PROTOCOL}")
                 self._family: Family = registry.family(request.family)
-                self._contestant: Contestant = registry.contestant(request.family, request.backend)
+                self._contestant: Contestant = registry.contestant(request.family, request.contestant)
                 self._chained = request.chained
                 return Done(perf_counter() - start)
             case Warm():
                 if self._stage is None:
                     self._set_stage(self._family.small_model())
                 compiled = count_compiled()
-                reply = self._measure(request.scenario, request.options)
+                reply = self._measure(request.scenario, request.options, 1)
                 if isinstance(reply, Skipped):
                     return reply
                 return Done(perf_counter() - start, count_compiled() - compiled)
             case Load():
                 stage = self._set_stage(Path(request.model))
-                return Loaded(_integers(stage.model_size()), _structure(stage))
+                size = _integers(stage.model_size())
+                gc.collect()
+                gc.freeze()  # the compiler's objects: to look through them before each sample takes 50 ms
+                return Loaded(size, _structure(stage))
             case Measure():
-                return self._measure(request.scenario, request.options)
+                return self._measure(request.scenario, request.options, request.repeats)
+            case Weigh():
+                return self._weigh(Path(request.model))
+            case Gauge():
+                return Gauged(measure_yardsticks())
+            case Describe():
+                return Registry().describe(request.family)
+            case Find():
+                return Found(str(Registry().find_model(request)))
 
     def _set_stage(self, model: Path) -> Stage:
         self.close()
         self._stage = self._family.stage(self._contestant, model, chained=self._chained)
         return self._stage
 
-    def _measure(self, name: str, options: Options) -> Measured | Skipped:
+    def _weigh(self, model: Path) -> Weighed:
+        """Build the structure of a model where it has been built once before, of a small one: the compiler has come and
+        gone, and what it left is no part of the difference."""
+        self._set_stage(self._family.small_model()).build()
+        compiled = count_compiled()
+        stage = self._set_stage(model)
+        stage.model_size()  # the model is read: that it lies in memory is not the structure's doing
+        floor, has_peak = private_bytes(), reset_peak()
+        before = peak_bytes()
+        stage.build()
+        peak, retained = peak_bytes(), private_bytes()
+        return Weighed(
+            structure=_structure(stage),
+            retained_bytes=None if floor is None or retained is None else retained - floor,
+            peak_bytes=peak - before if has_peak and peak is not None and before is not None else None,
+            compiled=compiled,
+        )
+
+    def _measure(self, name: str, options: Options, repeats: int) -> Measured | Skipped:
         scenario = registry.scenario(self._family.name, name)
         reason = scenario.skip(self._contestant)
         if reason is not None:
             return Skipped(reason)
         assert self._stage is not None, "Warm and Load set the stage"
-        return take_sample(scenario, self._stage, options)
+        return take_sample(scenario, self._stage, options, repeats)
 
 
-def take_sample(scenario: Scenario, stage: Stage, options: Options) -> Measured:
-    """Prepare, run, and look at what came out; only the run is timed."""
+def take_sample(scenario: Scenario, stage: Stage, options: Options, repeats: int = 1) -> Measured:
+    """Prepare, run, and look at what came out; only the runs are timed, each on a subject of its own."""
+    prepare_s, passed, peak = 0.0, Clocks(0.0, 0.0, 0.0), 0
+    for _ in range(repeats):
+        subject = outcome = None  # what the one before left is gone before the next is made
+        start = perf_counter()
+        subject = scenario.prepare(stage, options)
+        prepare_s += perf_counter() - start
+
+        gc.collect()
+        gc.disable()
+        trim_heap()
+        has_peak = reset_peak()
+        try:
+            begin = read_clocks()
+            outcome = scenario.run(subject)
+            passed = passed.plus(read_clocks().since(begin))
+        finally:
+            gc.enable()
+        peak = max(peak, (peak_bytes() if has_peak else None) or 0)
+
     start = perf_counter()
-    subject = scenario.prepare(stage, options)
-    prepare_s = perf_counter() - start
-
-    gc.collect()
-    gc.disable()
-    trim_heap()
-    has_peak = reset_peak()
-    try:
-        begin = read_clocks()
-        outcome = scenario.run(subject)
-        passed = read_clocks().since(begin)
-    finally:
-        gc.enable()
-
-    peak = peak_bytes() if has_peak else None
     answer = scenario.answer(subject, outcome)
     work = scenario.work(subject, outcome)
     return Measured(
+        repeats=repeats,
         prepare_s=prepare_s,
         cpu_s=passed.cpu_s,
         process_cpu_s=passed.process_cpu_s,
         wall_s=passed.wall_s,
-        peak_bytes=peak,
+        answer_s=perf_counter() - start,
+        peak_bytes=peak or None,
         structure=_structure(stage),
         digest=answer.digest,
         figures={name: _number(figure) for name, figure in answer.figures.items()},
-        items=int(work.items),
+        items=repeats * int(work.items),
         unit=work.unit,
-        least_bytes=None if work.least_bytes is None else int(work.least_bytes),
+        least_bytes=None if work.least_bytes is None else repeats * int(work.least_bytes),
     )
 
 
@@ -161,9 +213,16 @@ def _move_pipes() -> tuple[BinaryIO, BinaryIO]:
     return requests, replies
 
 
+def _stay_within_memory() -> None:
+    """Let an allocation that this machine has no memory for fail with MemoryError, rather than end the process, or
+    another one."""
+    held_to_available().__enter__()
+
+
 def main() -> None:
     """Serve requests until there are no more."""
     requests, replies = _move_pipes()
+    _stay_within_memory()
     worker = Worker()
     for line in requests:
         replies.write(encode(worker.serve(decode_request(line))))

@@ -11,7 +11,7 @@ from typing import Any, NoReturn
 import click
 
 from tetrabench.cli.meshes import convert, generate, info
-from tetrabench.cli.runs import list_, run, show
+from tetrabench.cli.runs import check, list_, run, show
 from tetrabench.cli.speech import say
 from tetrabench.errors import InputError, TetrabenchError, find_named
 
@@ -72,5 +72,5 @@ def main() -> None:
     """
 
 
-for verb in (run, show, list_, info, convert, generate):
+for verb in (run, check, show, list_, info, convert, generate):
     main.add_command(verb)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import re
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -22,6 +24,31 @@ def read_count(ctx: click.Context, param: click.Parameter, text: str | None) -> 
     if number != int(number):
         raise click.BadParameter(f"{text!r} is no count such as 642700, 100k or 1.5M", ctx, param)
     return int(number)
+
+
+def read_counts(ctx: click.Context, param: click.Parameter, text: str | None) -> list[int] | None:
+    """One or several of `read_count`, by commas; several make a sweep."""
+    if text is None:
+        return None
+    counts = [read_count(ctx, param, part) for part in re.split(r",(?!\d{3}(?!\d))", text)]
+    return [number for number in counts if number is not None]
+
+
+def read_seconds(ctx: click.Context, param: click.Parameter, text: str | None) -> float | None:
+    """A time such as 90, 90s, 10m or 1.5h, in seconds."""
+    if text is None:
+        return None
+    match = re.fullmatch(r"(\d+(?:\.\d+)?)([smh]?)", text.strip())
+    if not match or float(match[1]) == 0:
+        raise click.BadParameter(f"{text!r} is no time such as 90s, 10m or 1.5h", ctx, param)
+    return float(match[1]) * {"": 1, "s": 1, "m": 60, "h": 3600}[match[2]]
+
+
+def read_options(ctx: click.Context, param: click.Parameter, values: tuple[str, ...]) -> dict[str, list[int]]:
+    """Counts of scenarios by name."""
+    from tetrabench.bench.plan import parse_option
+
+    return dict(parse_option(value) for value in values)
 
 
 def split_names(ctx: click.Context, param: click.Parameter, values: tuple[str, ...]) -> list[str] | None:
@@ -90,3 +117,24 @@ chart_format_option = click.option(
     show_default=True,
     help="Of the charts.",
 )
+
+
+def what_options(verb: Callable[..., Any]) -> Callable[..., Any]:
+    """What `run` and `check` take: models, backends, scenarios."""
+    names: dict[str, Any] = {"multiple": True, "callback": split_names, "metavar": "A,B", "help": "All unless given."}
+    size_help = "Size of a generated model, such as 100k; several make a sweep."
+    option_help = "A count of a scenario, such as alfa.sweeps=10; several make a sweep."
+    options = [
+        click.option("--model", required=True, metavar="FILE|NAME", help="A mesh file, or a model to generate."),
+        family_option,
+        click.option("--backend", "backends", **names),
+        click.option("--scenario", "scenarios", **names),
+        click.option("--reference", metavar="A", help="The backend that ratios refer to."),
+        click.option("--tets", callback=read_counts, metavar="N,N", help=size_help),
+        click.option("--option", "options", multiple=True, callback=read_options, metavar="NAME=N,N", help=option_help),
+        numbering_option,
+        seed_option,
+    ]
+    for option in reversed(options):
+        verb = option(verb)
+    return verb

@@ -15,31 +15,28 @@ from tetrabench.cli.options import (
     check_folder,
     family_option,
     format_option,
-    numbering_option,
-    read_count,
-    seed_option,
-    split_names,
+    read_seconds,
+    what_options,
 )
-from tetrabench.cli.speech import say, tabulate
+from tetrabench.cli.speech import RunProgress, patience, say, tabulate
 
 if TYPE_CHECKING:
-    from tetrabench.bench import Results
+    from tetrabench.bench import Plan, Results
     from tetrabench.protocols import Scenario
 
 
 @click.command()
-@click.option("--model", required=True, metavar="FILE|NAME", help="A Nastran file, or a model to generate.")
-@family_option
-@click.option("--backend", "backends", multiple=True, callback=split_names, metavar="A,B", help="All unless given.")
-@click.option("--scenario", "scenarios", multiple=True, callback=split_names, metavar="A,B", help="All unless given.")
-@click.option("--reference", metavar="A", help="The backend that ratios refer to.")
-@click.option("--tets", callback=read_count, metavar="N", help="Size of a generated model, such as 100k.")
-@numbering_option
-@seed_option
+@what_options
 @click.option("--thesis", is_flag=True, help="As the source did it: its counts, its order, one net for all.")
-@click.option("--quick", is_flag=True, help="Fewer rounds.")
-@click.option("--rounds", type=int, help="How often each backend has its turn.")
+@click.option("--quick", is_flag=True, help="3 launches: shows what is many times as slow, ranks nothing else.")
+@click.option("--rigorous", is_flag=True, help="12 launches of 5 rounds, fewer where an interval is narrow sooner.")
+@click.option("--launches", type=int, help="How often all backends get fresh processes.")
+@click.option("--rounds", type=int, help="How often each backend has its turn in a launch.")
+@click.option("--budget", "budget_s", callback=read_seconds, metavar="TIME", help="Of the run, such as 90s or 10m.")
+@click.option("--timeout", "timeout_s", callback=read_seconds, metavar="TIME", help="Of one sample.")
 @click.option("-o", "--output", metavar="FILE.json", type=FILE, callback=check_folder, help="Save the results.")
+@click.option("--resume", is_flag=True, help="Go on with a run to -o that was broken off.")
+@click.option("--dry-run", is_flag=True, help="Say what would be done, and do nothing.")
 @charts_option
 @chart_format_option
 @format_option
@@ -48,25 +45,64 @@ def run(
     ctx: click.Context,
     /,
     output: Path | None,
+    resume: bool,
+    dry_run: bool,
     charts: Path | None,
     chart_format: str,
     form: str,
+    thesis: bool,
+    quick: bool,
+    rigorous: bool,
     **choices: Any,
 ) -> None:
     """Run scenarios on backends, compare the answers, and say what each cost in time and memory."""
-    from tetrabench.bench import exit_code, make_plan, run_benchmark, save_results
+    from tetrabench.bench import exit_code, run_benchmark
 
-    plan = make_plan(choices.pop("model"), **choices)
+    profiles = {"thesis": thesis, "quick": quick, "rigorous": rigorous}
+    asked = [name for name, is_asked in profiles.items() if is_asked]
+    if len(asked) > 1:
+        raise click.UsageError(f"--{asked[0]} and --{asked[1]}: choose one", ctx)
+    if resume and output is None:
+        raise click.UsageError("--resume goes on with the run to -o FILE.json: say which", ctx)
+    plan = look_up(choices, asked[0] if asked else "default")
+    if dry_run:
+        click.echo(describe_plan(plan))
+        return
     with RunProgress() as progress:
-        results = run_benchmark(plan, progress=progress)
-    if output:
-        save_results(results, output)
+        results = run_benchmark(plan, progress=progress, output=output, resume=resume)
     present(results, form, charts, chart_format)
     if output:
         say(f"wrote {output}")
-    if results.interrupted:
-        kept = f"results so far are in {output}" if output else "no results are kept without -o"
-        say(f"tetrabench: interrupted; {kept}")
+    if results.ended:
+        why = "interrupted" if results.ended == "interrupted" else "out of budget"
+        kept = f"go on with --resume -o {output}" if output else "no results are kept without -o"
+        say(f"tetrabench: {why} after {count(len(results.launches), 'launch', 'launches')}; {kept}")
+    ctx.exit(exit_code(results))
+
+
+@click.command()
+@what_options
+@click.pass_context
+def check(ctx: click.Context, /, **choices: Any) -> None:
+    """Run scenarios on backends once, and compare their answers. No times.
+
+    Exit code 3 if a backend gives a wrong answer, or ends badly.
+    """
+    from tetrabench.bench import exit_code, run_benchmark, summary
+
+    plan = look_up(choices, "check")
+    with RunProgress() as progress:
+        results = run_benchmark(plan, progress=progress)
+    words = {"reference": "right", "about": "right", "too short": "right", "slower": "right", "faster": "right"}
+    rows = summary(results)
+    right = {(row.model, row.task, row.backend): words.get(row.verdict, row.verdict) for row in rows}
+    names = [backend.name for backend in results.backends]
+    for model in results.models:
+        cells = [[right.get((model.name, task.name, name), "") for name in names] for task in results.tasks]
+        tabulate([model.name, *names], [[task.name, *row] for task, row in zip(results.tasks, cells, strict=True)])
+    for row in rows:
+        if row.reason:
+            click.echo(f"- {row.backend}, {row.verdict} in {row.task}: {row.reason}")
     ctx.exit(exit_code(results))
 
 
@@ -124,3 +160,34 @@ def _counts(scenario: Scenario) -> str:
         f"{name} {count:,}" + (f" (thesis {thesis[name]:,})" if thesis[name] != count else "")
         for name, count in scenario.options.items()
     )
+
+
+def look_up(choices: dict[str, Any], profile: str) -> Plan:
+    """The plan that is asked for; its model is generated if need be."""
+    from tetrabench.bench import make_plan
+    from tetrabench.bench.catalogue import Inquiry
+
+    model = choices.pop("model")
+    with patience(f"looking up backends, scenarios and {model}"), Inquiry() as guide:
+        return make_plan(model, profile=profile, guide=guide, **choices)
+
+
+def describe_plan(plan: Plan) -> str:
+    """What a run would do, in lines."""
+    effort = plan.effort
+    cells = len(plan.models) * len(plan.tasks) * len(plan.backends)
+    lines = {
+        "models": ", ".join(plan.models),
+        "tasks": ", ".join(task.name for task in plan.tasks),
+        "backends": ", ".join(backend.name for backend in plan.backends),
+        "reference": plan.reference,
+        "effort": f"{count(effort.launches, 'launch', 'launches')} of {count(effort.rounds, 'round', 'rounds')}, "
+        f"at most {cells * effort.launches * effort.rounds:,} samples",
+        "command": plan.command,
+    }
+    return "\n".join(f"{name:10} {text}" for name, text in lines.items())
+
+
+def count(number: int, one: str, more: str) -> str:
+    """A number with its noun."""
+    return f"{number} {one if number == 1 else more}"

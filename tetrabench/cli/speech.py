@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from tetrabench.bench import Plan
 
 PATIENCE = 2.0  # seconds until a person wants to know what is going on
+PATIENCE_WITH_A_PHASE = 30.0  # seconds between lines of a log
 WIDTH = 100  # where there is no terminal to fit into
 
 
@@ -72,7 +73,7 @@ def patience(doing: str) -> Iterator[None]:
 
 
 class RunProgress:
-    """Progress of a run on stderr: a bar on a terminal, else a plain line a scenario."""
+    """Progress of a run on stderr: a bar on a terminal, else a plain line a phase, or after PATIENCE_WITH_A_PHASE."""
 
     def __init__(self) -> None:
         from rich.console import Console
@@ -92,8 +93,7 @@ class RunProgress:
         self._task = self._bar.add_task("starting the workers", total=None)
         self._began = monotonic()  # of what happens now
         self._remaining: float | None = None
-        self._scenarios: set[str] = set()
-        self._said = ""
+        self._said, self._spoke = "", 0.0
 
     def __enter__(self) -> RunProgress:
         self._bar.start()
@@ -104,20 +104,20 @@ class RunProgress:
 
     def started(self, plan: Plan) -> None:
         """What is going to happen."""
-        self._scenarios = {task.scenario for task in plan.tasks}
-        backends = ", ".join(backend.name for backend in plan.backends)
-        self._say(f"{plan.model}: {len(plan.tasks)} scenarios on {backends}, {plan.effort.rounds} rounds at most")
+        backends = ", ".join(backend.name for backend in plan.backends if not backend.control)
+        models, effort = ", ".join(plan.models), plan.effort
+        self._say(
+            f"{models}: {len(plan.tasks)} tasks on {backends}; {effort.launches} launches of {effort.rounds} rounds at most"
+        )
 
-    def step(self, text: str, done: int, total: int, seconds_remaining: float | None) -> None:
+    def step(self, phase: str, detail: str, done: int, total: int, seconds_remaining: float | None) -> None:
         """What happens now."""
         self._began, self._remaining = monotonic(), seconds_remaining
         left = self._left(self._began)
-        self._bar.update(self._task, description=text, completed=done, total=total)
-        phase = text.partition(":")[0]
-        phase = phase if phase in self._scenarios else "compiling, or loading what was compiled"
-        if phase != self._said and not self._live:
-            self._say(f"{phase} {f'({done} of {total} turns done, {left})' if left else ''}".rstrip())
-        self._said = phase
+        self._bar.update(self._task, description=f"{phase}: {detail}", completed=done, total=total)
+        if not self._live and (phase != self._said or self._began - self._spoke > PATIENCE_WITH_A_PHASE):
+            self._say(f"{phase}: {detail} {f'({done} of {total} done, {left})' if left else ''}".rstrip())
+            self._said, self._spoke = phase, self._began
 
     def _left(self, now: float) -> str:
         lasted = now - self._began

@@ -81,6 +81,10 @@ class TetraStage:
         net = self._net if self._own is None else self._own
         return net.structure_bytes() if net is not None and net.is_open else {}
 
+    def build(self) -> None:
+        """Build the fresh net, if none stands."""
+        self.net()
+
     def close(self) -> None:
         """Give back all nets."""
         self._drop_own()

@@ -1,0 +1,113 @@
+"""What a family has to offer, as plain facts: a plan needs no more of it, and the parent of a run stays small.
+
+To import a family is to import the compiler, and to generate a model is to hold it: a `Worker` does both for the verbs
+(`Inquiry`), and keeps what that takes. A library call asks in its own process (`Registry`).
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+from types import TracebackType
+from typing import Protocol
+
+from tetrabench import registry
+from tetrabench.bench.messages import (
+    ContestantFacts,
+    Describe,
+    Described,
+    Failed,
+    Find,
+    Found,
+    Reply,
+    Request,
+    ScenarioFacts,
+)
+from tetrabench.bench.spawn import WorkerDied, WorkerProcess
+from tetrabench.errors import InputError, MemoryRefusedError, TetrabenchError
+
+
+class Guide(Protocol):
+    """Knows families, and finds their models."""
+
+    def describe(self, family: str) -> Described:
+        """What a family has to offer. Raises InputError."""
+
+    def find_model(self, find: Find) -> Path:
+        """The file of a model, which may have to be generated first. Raises InputError, MemoryRefusedError."""
+
+
+class Registry:
+    """A guide in this process."""
+
+    def describe(self, family: str) -> Described:
+        """What a family has to offer.
+
+        Raises:
+            InputError: there is none of that name, or a plug-in cannot be imported.
+        """
+        kind = registry.family(family)
+        return Described(
+            reference=kind.reference,
+            thesis_order=list(kind.thesis_order),
+            contestants=[
+                ContestantFacts(name=one.name, title=one.title, extension=one.extension)
+                for one in registry.contestants(family)
+            ],
+            scenarios=[
+                ScenarioFacts(name=one.name, options=dict(one.options), thesis=dict(one.thesis), parallel=one.parallel)
+                for one in registry.scenarios(family)
+            ],
+        )
+
+    def find_model(self, find: Find) -> Path:
+        """The file of a model.
+
+        Raises:
+            InputError: there is no such file and no such model.
+        """
+        kind = registry.family(find.family)
+        return kind.find_model(find.model, size=find.size, numbering=find.numbering, seed=find.seed).absolute()
+
+
+class Inquiry:
+    """A guide that asks a worker. A context: the worker ends with it."""
+
+    def __init__(self, spawn: Callable[[], WorkerProcess] = WorkerProcess) -> None:
+        self._worker = spawn()
+
+    def __enter__(self) -> "Inquiry":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._worker.kill()
+
+    def describe(self, family: str) -> Described:
+        """What a family has to offer.
+
+        Raises:
+            InputError: there is none of that name, or a plug-in cannot be imported.
+        """
+        reply = self._ask(Describe(family))
+        assert isinstance(reply, Described), reply
+        return reply
+
+    def find_model(self, find: Find) -> Path:
+        """The file of a model.
+
+        Raises:
+            InputError: there is no such file and no such model.
+            MemoryRefusedError: it is too large to be generated.
+        """
+        reply = self._ask(find)
+        assert isinstance(reply, Found), reply
+        return Path(reply.path)
+
+    def _ask(self, request: Request) -> Reply:
+        try:
+            reply = self._worker.ask(request)
+        except WorkerDied as death:
+            raise TetrabenchError(f"the process that looks up models and backends ended: {death}") from death
+        if isinstance(reply, Failed):
+            raise (MemoryRefusedError if reply.oom else InputError)(reply.reason)
+        return reply
