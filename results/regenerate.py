@@ -61,6 +61,9 @@ def main() -> None:
     parser.add_argument("runs", nargs="*", metavar="RUN", help=", ".join(RUNS))
     parser.add_argument("--table", action="store_true", help="run nothing, show what is committed")
     options = parser.parse_args()
+    strange = ", ".join(name for name in options.runs if name not in RUNS)
+    if strange:
+        parser.error(f"no run {strange}; there are: {', '.join(RUNS)}")
     for name in options.runs or RUNS:
         regenerate(name, run=not options.table)
 

@@ -1,4 +1,4 @@
-"""The verbs about meshes: info and convert."""
+"""The verbs about meshes: info, convert and generate."""
 
 import json
 import re
@@ -6,17 +6,25 @@ import time
 from dataclasses import fields
 from pathlib import Path
 
+import click
 import numpy as np
 import pytest
 
 from tests.meshes import apart, mesh_of
 from tests.test_cli import refusal, say
+from tetrabench.cli.options import read_count
 from tetrabench.io import read_mesh, write_mesh
 from tetrabench.mesh.inspection import Inspection
 from tetrabench.mesh.models import generate
 
 POINTS = np.random.default_rng(1).uniform(size=(9, 3))
 FAULTY = [[0, 1, 2, 3], [1, 2, 3, 4], [1, 2, 3, 5], [3, 2, 1, 0], [7, 7, 7, 6]]
+
+
+@pytest.fixture(autouse=True)
+def patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing takes long, even where the kernels have yet to be compiled."""
+    monkeypatch.setattr("tetrabench.cli.speech.PATIENCE", 3600.0)
 
 
 @pytest.fixture
@@ -150,11 +158,26 @@ def test_convert_says_what_it_leaves_out(faulty: Path) -> None:
 
 
 def test_convert_refuses_before_it_reads(tmp_path: Path) -> None:
-    write_mesh(apart(), tmp_path / "a.vtu")
-    assert "did you mean .vtu?" in refusal("convert", tmp_path / "nowhere.vtu", tmp_path / "b.vtux")
-    assert "hold surfaces" in refusal("convert", tmp_path / "a.vtu", tmp_path / "b.stl")
-    assert "can only be chosen for Nastran" in refusal(
-        "convert", tmp_path / "a.vtu", tmp_path / "b.vtk", "--field", "free"
-    )
-    assert say("convert", tmp_path / "a.vtu", tmp_path / "nowhere" / "b.vtk").exit_code == 2
-    assert [file.name for file in tmp_path.iterdir()] == ["a.vtu"]
+    nowhere = tmp_path / "nowhere.vtu"
+    assert "did you mean .vtu?" in refusal("convert", nowhere, tmp_path / "b.vtux")
+    assert "hold surfaces" in refusal("convert", nowhere, tmp_path / "b.stl")
+    assert "can only be chosen for Nastran" in refusal("convert", nowhere, tmp_path / "b.vtk", "--field", "free")
+    assert "there is no folder" in refusal("convert", nowhere, tmp_path / "nowhere" / "b.vtk")
+    assert not list(tmp_path.iterdir())
+
+
+# ---------------------------------------------------------------------- generate
+
+
+def test_generate_refuses_before_it_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tetrabench.mesh.models.generate", None)
+    assert "did you mean .nas?" in refusal("generate", "box", "-o", tmp_path / "box.nass")
+    assert "hold surfaces" in refusal("generate", "box", "-o", tmp_path / "box.ply")
+
+
+def test_counts_are_exact() -> None:
+    counts = {"1.001k": 1001, "8.2M": 8_200_000, "642,700": 642_700, "1_000": 1000, "9" * 400: int("9" * 400)}
+    assert {text: read_count(None, None, text) for text in counts} == counts
+    for text in ("1.0001k", "0.5", "1e3", "-1", "k", "", "\u0661"):
+        with pytest.raises(click.BadParameter, match="is no count such as"):
+            read_count(None, None, text)

@@ -26,6 +26,14 @@ def test_the_table_is_that_of_the_committed_run(name):
     assert regenerate.shown(name) == regenerate.table(name)
 
 
+def test_an_unknown_run_is_refused(monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["regenerate.py", "thesis-nozle"])
+    with pytest.raises(SystemExit):
+        regenerate.main()
+    assert "no run thesis-nozle; there are: nozzle-120k-quick, " in capsys.readouterr().err
+    assert not (regenerate.RESULTS / "thesis-nozle").exists()
+
+
 def test_the_peers_are_those_of_the_committed_run():
     page = (ROOT / "results" / "README.md").read_text()
     for row in json.loads((ROOT / "results" / "peers-623k.json").read_text())["rows"]:

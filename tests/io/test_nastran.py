@@ -1,5 +1,6 @@
 """The Nastran reader against a naive twin, deck by deck, refusal by refusal; the writer by its round trip."""
 
+import os
 import re
 from collections import Counter
 from itertools import product
@@ -10,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.meshes import single
+from tests.meshes import mesh_of, single
 from tetrabench.errors import InputError
 from tetrabench.io import read_mesh, write_mesh
 from tetrabench.io.nastran import read_nastran, write_nastran
@@ -193,6 +194,7 @@ DIALECTS = {
     "lower case": (FREE_POINTS + FREE_TETRA).lower(),
     "byte order mark": "\xef\xbb\xbf" + FREE_POINTS + FREE_TETRA,
     "END BULK": FREE_POINTS + FREE_TETRA + "END BULK\nnonsense GRID\nGRID,x\n",
+    "END BULK, indented": FREE_POINTS + FREE_TETRA + "  END BULK\nGRID,x\n",
     "nothing after ENDDATA counts": FREE_POINTS + FREE_TETRA + "ENDDATA*\nGRID,x\n",
     "trailing commas": FREE_POINTS + "CTETRA,1,1,1,2,3,4,,,,,,\n",
     "padded free field": FREE_POINTS + "CTETRA , 1 ,\t1 , 1 , 2 , 3 , 4\n",
@@ -214,9 +216,12 @@ DIALECTS = {
     "more than ten fields": FREE_POINTS + "CTETRA,1,1,1,2,3,4,5,6,7,8,9,10\n",
     "continuation and more on a line": FREE_POINTS + "CTETRA,1,1,1,2,3,4,5,6,+A,+A,7,8,9,10\n",
     "continuation elsewhere": FREE_POINTS + "CTETRA*,1,1,1,2,*N1\nGRID,5,,0.,0.,0.\n*N1,3,4\n",
+    "continuation elsewhere, indented": FREE_POINTS + "CTETRA*,1,1,1,2,*N1\nPSOLID,1\n  *N1,3,4\n",
     "continuations at the end": "GRID*,4,,0.,0.,*G4\n" + FREE_POINTS.replace("GRID,4,,0.,0.,1.\n", "")
     + SMALL_TETRA + "       5       6+T1\n+T1     7\n*G4,1.\n",
     "a skipped card's continuation": FREE_TETRA + "CHEXA,1,1,1,2,3,4,5,6,+H1\n" + FREE_POINTS + "+H1,7,8\n",
+    "a skipped card's continuation, asked for before a comment": FREE_TETRA + "CHEXA,1,1,1,2,3,4,5,6,+H1 $ eight\n"
+    + FREE_POINTS + "+H1,7,8\n",
     "coordinate system 0": "GRDSET,,7\n" + FREE_POINTS.replace(",,", ",0,") + FREE_TETRA,
     "free continuation": FREE_POINTS + "CTETRA,1,1,1,2,3,4,,,+a\n+a,,\n",
     "blank continuation": FREE_POINTS + SMALL_TETRA + "\n        \n",
@@ -248,6 +253,11 @@ REFUSED = {
     "same four nodes": ("CTETRA,2,1,4,3,2,1\n", 6, "has the same four nodes as an earlier one"),
     "GRID twice": ("GRID,5,,0.,0.,0.\n$\nGRID,5,,0.,0.,1.\n", 3, "GRID 5 twice, at different places"),
     "tetra twice": ("GRID,5,,9.,9.,9.\nCTETRA,1,1,5,3,2,1\n", 7, "CTETRA 1 twice"),
+    "two tetras twice": (
+        "GRID,5,,9.,9.,9.\nGRID,6,,8.,8.,7.\nCTETRA,7,1,5,6,2,1\nCTETRA,1,1,5,3,2,1\nCTETRA,7,1,6,3,4,5\n",
+        5,
+        "CTETRA 7 twice",
+    ),
     "id not a number": ("GRID,1x,,0.,0.,0.\n", 1, "'1x' is not a whole number above 0"),
     "id zero": ("CTETRA,0,1,1,2,3,4\n", 1, "'0' is not a whole number above 0"),
     "id blank": ("GRID,,,0.,0.,0.\n", 1, "'' is not a whole number above 0"),
@@ -298,8 +308,9 @@ def test_unreadable_files(tmp_path: Path) -> None:
         read_nastran(tmp_path / "missing.nas")
     with pytest.raises(InputError, match="cannot be read"):
         read_nastran(tmp_path)
-    with pytest.raises(InputError, match="is empty"):
-        read_text(tmp_path, "")
+    for nothing in (b"", b"\xef\xbb\xbf"):
+        with pytest.raises(InputError, match="is empty"):
+            read_text(tmp_path, nothing)
 
 
 def test_unused_points_are_dropped_and_counted_or_kept(tmp_path: Path) -> None:
@@ -461,16 +472,43 @@ def test_writer_refuses_what_cannot_be_written(tmp_path: Path) -> None:
         write_nastran(mesh, tmp_path / "x.nas", field="wide")
     with pytest.raises(InputError, match="cannot be written"):
         write_nastran(mesh, tmp_path / "no folder" / "x.nas")
+    (tmp_path / "file").touch()
+    with pytest.raises(InputError, match=r"x\.nas: cannot be written: Not a directory"):
+        write_nastran(mesh, tmp_path / "file" / "x.nas")
+    with pytest.raises(InputError, match="cannot be written: File name too long"):
+        write_nastran(mesh, tmp_path / f"{'x' * 300}.nas")
+    (tmp_path / "file").unlink()
     mesh.points[0, 0] = np.nan
     with pytest.raises(InputError, match="NaN"):
         write_nastran(mesh, tmp_path / "x.nas")
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize("field", ["small", "large", "free"])
+def test_a_mesh_of_nothing_is_written(tmp_path: Path, field: str) -> None:
+    write_nastran(mesh_of([], []), tmp_path / "x.nas", field=field)
+    assert (tmp_path / "x.nas").read_text() == "BEGIN BULK\nENDDATA\n"
+
+
+def test_whole_file_or_the_one_before(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_nastran(single(), tmp_path / "x.nas")
+    before = (tmp_path / "x.nas").read_bytes()
+
+    def fail(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "replace", fail)
+    with pytest.raises(InputError, match=r"x\.nas: cannot be written: No space left on device"):
+        write_nastran(generate("box", 20), tmp_path / "x.nas")
+    assert {file.name: file.read_bytes() for file in tmp_path.iterdir()} == {"x.nas": before}
+
+
 def test_comments_stand_at_the_top(tmp_path: Path) -> None:
     write_nastran(single(), tmp_path / "x.nas", comments=["first", "second\nGRID,1"])
     assert (tmp_path / "x.nas").read_text().startswith("$ first\n$ second\n$ GRID,1\nBEGIN BULK\nGRID ")
     assert [file.name for file in tmp_path.iterdir()] == ["x.nas"]
+    write_nastran(single(), tmp_path / "x.nas", comments=[os.fsdecode(b"caf\xe9.nas")])
+    assert (tmp_path / "x.nas").read_bytes().startswith(b"$ caf\xe9.nas\nBEGIN BULK\n")
 
 
 # ------------------------------ suffixes

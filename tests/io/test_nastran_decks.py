@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from tests.io.fuzz_nastran import corpus, judge, mutated
 from tests.io.test_nastran import CORNERS, FREE_POINTS, FREE_TETRA, read_text
 from tetrabench.errors import InputError, MemoryRefusedError, RepairableError
-from tetrabench.io.nastran import read_nastran, source, write_nastran
+from tetrabench.io.nastran import read_nastran, reader, source, write_nastran
 from tetrabench.mesh.models import generate
 
 
@@ -58,6 +58,22 @@ def test_include_looks_next_to_the_including_file_then_next_to_the_main_one(tmp_
         far="".join(FREE_POINTS.splitlines(keepends=True)[2:]),
     )
     assert read_nastran(path).point_ids.tolist() == [1, 2, 3, 4]
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "latin-1"])
+def test_include_of_a_name_beyond_ascii(tmp_path: Path, encoding: str) -> None:
+    write(tmp_path, größe=FREE_POINTS)
+    (tmp_path / "main.nas").write_bytes(("INCLUDE 'größe.nas'\n" + FREE_TETRA).encode(encoding))
+    assert len(read_nastran(tmp_path / "main.nas").points) == 4
+    (tmp_path / "größe.nas").unlink()
+    with pytest.raises(InputError, match=r"there is no file 'größe\.nas' here"):
+        read_nastran(tmp_path / "main.nas")
+
+
+def test_what_follows_a_long_include_is_the_next_line(tmp_path: Path) -> None:
+    comment = "x" * 2 * reader.LONGEST_INCLUDE
+    path = write(tmp_path, main=f"INCLUDE 'rest.nas' $ {comment}\n{FREE_TETRA}", rest=FREE_POINTS)
+    assert read_nastran(path).report.skipped == {}
 
 
 def test_include_keeps_the_order_of_the_cards(tmp_path: Path) -> None:
@@ -139,6 +155,29 @@ def test_the_window_changes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPa
         read_nastran(path)
 
 
+def test_more_cards_than_the_size_of_the_file_promises(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Points, tetras, hard numbers, systems and scattered continuations beyond the room that there is at first."""
+    mesh, path = generate("box", 3000), tmp_path / "main.nas"
+    mesh.points *= 1 + 1e-13  # numbers left to float()
+    write_nastran(mesh, path, field="free")
+    more = range(10_001, 11_200)
+    scattered = "".join(f"GRID*,{k},,1.,2.,*G{k - 10_000}\n" for k in more) + "PSOLID,1\n"
+    scattered += "".join(f"*G{k - 10_000},{k}.\n" for k in more) + "".join(f"CORD1R,{k},1,2,3\n" for k in more)
+    path.write_text(path.read_text().replace("ENDDATA", scattered + "ENDDATA"))
+    monkeypatch.setattr(reader, "CARD_BYTES", 10**9)
+    read = read_nastran(path, unused="keep")
+    assert min(len(mesh.points) + len(more), len(mesh.tets), len(more)) > 1024  # all that there is room for at first
+    np.testing.assert_array_equal(read.points, [*mesh.points, *([1.0, 2.0, k] for k in more)])
+    assert read.point_ids.tolist() == [*mesh.point_ids, *more]
+    np.testing.assert_array_equal(read.tets, mesh.tets)
+    assert read.report.skipped == {"CORD1R": len(more), "PSOLID": 1}
+
+
+def test_lines_of_a_file_of_any_size_are_counted(tmp_path: Path) -> None:
+    (tmp_path / "deck.nas").write_bytes(b"\n" * 3_000_000)
+    assert source.Sources().add(tmp_path / "deck.nas").line_of(2_900_000) == 2_900_001
+
+
 def test_numbers_of_any_length(tmp_path: Path) -> None:
     texts = [
         "0." + "1234567890" * 30,
@@ -213,8 +252,15 @@ def test_unknown_system_is_taken_as_basic_with_one_warning(tmp_path: Path) -> No
         ("CORD1R,7,1,2,3\n", 6, "coordinate system 7 needs itself"),
         ("CORD1R,7,11,12,13\n", 6, "uses GRID 11, which does not exist"),
         ("CORD2R,7,,0.,0.,0.,0.,0.,1.,+\n+,0.,0.,5.\n", 6, "its three points lie on one line"),
+        ("CORD2R,7,,0.,0.,0.,0.,0.,1.,+\n+,1.-14,0.,5.\n", 6, "its three points lie on one line"),
         ("CORD2R,7\n", 6, "its three points lie on one line"),
-        ("CORD2R,7,,x\n", 6, "CORD2R: could not convert"),
+        ("CORD2R,7,,x\n", 6, "CORD2R: 'x' is not a number"),
+        ("CORD2R,7,,inf\n", 6, "CORD2R: 'inf' is not a number"),
+        ("CORD2R,7,,1.+999\n", 6, r"CORD2R: 1\.\+999 is beyond the largest number"),
+        ("CORD2R,7,1.\n", 6, r"CORD2R: '1\.' is not a whole number above 0"),
+        ("CORD2R,7,,0.,0.,0.,0.,1.+308,1.+308,+\n+,1.+308,0.,0.\n", 6, "its three points lie on one line"),
+        ("CORD1R,7,1,,3\n", 6, "CORD1R: '' is not a whole number above 0"),
+        ("CORD2R,7,,0.,0.,0.,0.,0.,1.,+C\nPSOLID,1\n", 6, "its continuation 'C' is missing"),
         (TURNED + TURNED.replace("3.\n", "5.\n"), 8, "coordinate system 7 is defined twice, in different ways"),
     ],
 )  # fmt: skip
@@ -222,6 +268,14 @@ def test_faulty_system(tmp_path: Path, systems: str, line: int | None, reason: s
     with pytest.raises(InputError, match=reason) as caught:
         read_text(tmp_path, FREE_POINTS.replace(",,", ",7,") + FREE_TETRA + systems)
     assert line is None or f"deck.nas:{line}: " in str(caught.value)
+
+
+@pytest.mark.parametrize("between", ["PSOLID,1\n", "GRID,9,,0.,0.,0.\n"])
+def test_continuation_of_a_system_elsewhere(tmp_path: Path, between: str) -> None:
+    card, continuation = TURNED.replace("+\n+,", "+C7\n+C7,").splitlines(keepends=True)
+    points = FREE_POINTS.replace("GRID,2,,1.", "GRID,2,7,1.")
+    mesh = read_text(tmp_path, card + points + FREE_TETRA + between + continuation)
+    np.testing.assert_allclose(mesh.points[1], [1.0, 3.0, 3.0], atol=1e-15)
 
 
 def test_the_same_system_twice_is_one(tmp_path: Path) -> None:

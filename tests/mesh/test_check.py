@@ -68,6 +68,7 @@ def test_fault_is_named(attribute: str, value: object, reason: str) -> None:
 @pytest.mark.parametrize(
     ("tets", "reason"),
     [
+        ([[0, 1, 2, 3], [2, 3, 0, 1]], r"tetra 2 \(row 1\) has the same four nodes as an earlier one"),
         ([[0, 1, 2, 3], [4, 1, 2, 3], [2, 3, 0, 1]], r"tetra 3 \(row 2\) has the same four nodes as an earlier one"),
         ([[0, 1, 2, 3], [1, 2, 3, 4], [5, 3, 2, 1]], r"tetra 3 \(row 2\) shares a side with two earlier ones"),
     ],

@@ -6,7 +6,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from tests.meshes import apart, box, mesh_of, touching
+from tests.meshes import apart, box, mesh_of, single, touching
 from tetrabench.mesh import TetraMesh
 from tetrabench.mesh.inspection import inspect_mesh
 from tetrabench.mesh.models import generate
@@ -108,6 +108,12 @@ def test_diagonals_that_cross(joined: bool) -> None:
     found = inspect_mesh(two_cubes(turned=True, joined=joined))
     assert found.components == 2
     assert (found.coincident_points, found.doubled_sides, found.crossing_sides) == (0 if joined else 8, 0, 4)
+
+
+@pytest.mark.parametrize("mesh", [single(), apart(), touching()])
+def test_a_tetra_does_not_cross_itself(mesh: TetraMesh) -> None:
+    """Two sides of a tetra without neighbours have the four places of its other two, along the other diagonal."""
+    assert inspect_mesh(mesh).crossing_sides == 0
 
 
 def test_parts_a_rounding_apart_are_not_said_to_touch() -> None:

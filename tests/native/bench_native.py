@@ -1,6 +1,6 @@
 """How fast our kernels are beside C: both in turn on the same memory, thread CPU time, medians of paired ratios.
 
-    python tests/native/bench_native.py [--tets N] [--numbering natural] [--turns 21] [--only v4,alfa] [--json FILE]
+    python tests/native/bench_native.py [--tets N] [--numbering natural] [--turns 21] [--only v4,alfa] [-o FILE]
 
 A turn is one sample of ours and one of C, the order alternating. A sample of alfa or flow is SWEEPS sweeps over the
 fresh net; one of delete or explode is the whole scenario on a fresh net (arrays copied back; V4: built anew), explode
@@ -27,7 +27,7 @@ import numpy as np
 from replace import replace
 from yardstick import BY_NAME, EDITABLE, build, c_net, content, copy_arrays, is_linked
 
-from tetrabench.bench.pairs import in_turn, paired_ratio
+from tetrabench.bench.pairs import FEWEST, in_turn, paired_ratio
 from tetrabench.mesh import TetraMesh
 from tetrabench.mesh.models import generate
 from tetrabench.scenarios.tetra.alfa import average
@@ -280,11 +280,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--tets", type=int, default=642_700)
     parser.add_argument("--numbering", choices=["natural", "shuffled"], default="natural")
-    parser.add_argument("--turns", type=int, default=21, help="at least 6")
+    parser.add_argument("--turns", type=int, default=21, help=f"at least {FEWEST}")
     parser.add_argument("--only", default="", help="contestants and operations, comma separated")
-    parser.add_argument("--json", type=Path)
+    parser.add_argument("-o", "--output", type=Path, help="a JSON file")
     options = parser.parse_args()
     only = set(filter(None, options.only.split(",")))
+    if strange := only - {*BY_NAME, *BARS}:
+        parser.error(f"--only takes {', '.join([*BY_NAME, *BARS])}; not {', '.join(sorted(strange))}")
+    if options.turns < FEWEST:
+        parser.error(f"--turns takes a number from {FEWEST}: an interval needs so many")
     contestants = [name for name in BY_NAME if name in only or not only & set(BY_NAME)]
     operations = [name for name in BARS if name in only or not only & set(BARS)]
     mesh = generate("nozzle", options.tets, numbering=options.numbering)
@@ -300,8 +304,8 @@ def main() -> None:
                         if row["operation"] in operations:
                             _print(row)
                             table.append(row)
-    if options.json:
-        options.json.write_text(json.dumps({"tets": len(mesh.tets), **vars(options), "rows": table}, default=str))
+    if options.output:
+        options.output.write_text(json.dumps({**vars(options), "tets": len(mesh.tets), "rows": table}, default=str))
 
 
 if __name__ == "__main__":

@@ -1,8 +1,11 @@
 """The k-d tree against a linear search, for kind and unkind points."""
 
+import re
+
 import numpy as np
 import pytest
 
+from tetrabench.errors import InputError
 from tetrabench.tetra import nearest
 from tetrabench.tetra.nearest import build_tree, nearest_points
 from tetrabench.tetra.points import grown
@@ -96,6 +99,13 @@ def test_selection_parts_a_range(kind, axis, rng):
         assert sorted(nodes["point"]) == list(range(len(points)))
         outside = [*range(low), *range(high + 1, len(points))]
         assert nodes["point"][outside].tolist() == outside
+
+
+@pytest.mark.parametrize("shape", [(3,), (4, 2), (2, 2, 3)])
+def test_queries_of_another_shape(shape):
+    points = np.eye(3)
+    with pytest.raises(InputError, match=re.escape(f"(m, 3), not {shape}")):
+        nearest_points(build_tree(points), points, np.zeros(shape))
 
 
 def test_a_query_that_is_no_point_disturbs_no_other(rng):

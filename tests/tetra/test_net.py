@@ -169,9 +169,10 @@ def test_a_split_of_what_is_not_there_is_refused(build):
     net = build(pair())
     digest = net.answer().digest
     first, gone = net.refs.tolist()
-    for bad in ([10**9], [-1], [first, first]):
+    for bad in ([10**9], [-1], [first, first], [[first, gone]], first):
         with pytest.raises(InputError):
             net.split(bad)
+    net.split([])  # the storage was not outgrown on the way to a refusal
     assert net.answer().digest == digest
     net.delete(gone)
     with pytest.raises(InputError, match=f"there is no tetra {gone}"):

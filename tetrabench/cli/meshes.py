@@ -67,10 +67,10 @@ def info(file: Path, repair: str, form: str) -> None:
 @click.option("--field", type=click.Choice(["small", "large", "free"]), help="Of a Nastran file; free is exact.")
 def convert(source: Path, target: Path, numbering: str, seed: int, repair: str, unused: str, field: str | None) -> None:
     """Write a mesh in another format, or in another order."""
-    from tetrabench.io import known_suffix, read_mesh, write_mesh
+    from tetrabench.io import check_target, read_mesh, write_mesh
     from tetrabench.mesh.numbering import renumber
 
-    known_suffix(target)
+    check_target(target, field)
     with patience(f"reading {source}"):
         mesh = read_mesh(source, unused=unused, repair=repair)
     with patience(f"renumbering {len(mesh.tets):,} tetras"):
@@ -96,11 +96,14 @@ def convert(source: Path, target: Path, numbering: str, seed: int, repair: str, 
 @click.option("-o", "--output", metavar="FILE.nas", type=FILE, callback=check_folder, required=True)
 def generate(model: str, tets: int | None, numbering: str, seed: int, output: Path) -> None:
     """Make a model without a mesher and write it: the same file for the same seed."""
-    from tetrabench.io import write_mesh
+    from tetrabench.io import check_target, write_mesh
     from tetrabench.mesh import models
 
-    mesh = models.generate(model, tets, numbering=numbering, seed=seed)
-    write_mesh(mesh, output)
+    check_target(output)
+    with patience(f"making {model}"):
+        mesh = models.generate(model, tets, numbering=numbering, seed=seed)
+    with patience(f"writing {output}"):
+        write_mesh(mesh, output)
     click.echo(mesh.report.source)
     say(f"wrote {output}")
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import tempfile
 from collections.abc import Callable
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -19,9 +20,9 @@ def read_count(ctx: click.Context, param: click.Parameter, text: str | None) -> 
     """A whole number such as 642700, 642,700, 100k or 1.5M."""
     if text is None:
         return None
-    match = re.fullmatch(r"(\d+(?:\.\d+)?)([kM]?)", text.replace(",", "").replace("_", ""))
-    number = float(match[1]) * {"": 1, "k": 1e3, "M": 1e6}[match[2]] if match else 0.5
-    if number != int(number):
+    match = re.fullmatch(r"([0-9]+(?:\.[0-9]+)?)([kM]?)", text.replace(",", "").replace("_", ""))
+    number = Fraction(match[1]) * {"": 1, "k": 1_000, "M": 1_000_000}[match[2]] if match else Fraction(1, 2)
+    if number.denominator != 1:
         raise click.BadParameter(f"{text!r} is no count such as 642700, 100k or 1.5M", ctx, param)
     return int(number)
 

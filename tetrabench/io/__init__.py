@@ -30,9 +30,13 @@ def read_mesh(path: str | os.PathLike[str], *, unused: str = "drop", repair: str
     """
     suffix = known_suffix(path)
     file = Path(path)
-    if file.is_dir():
+    try:
+        is_folder, is_there = file.is_dir(), file.exists()
+    except OSError as error:  # a name that no file can have, a folder that must not be looked into
+        raise InputError(f"{path}: cannot be read: {error.strerror or error}") from error
+    if is_folder:
         raise InputError(f"{path}: a folder, not a file")
-    if not file.exists():
+    if not is_there:
         command = f"tetrabench generate {file.stem} -o {file.name}"
         hint = f"; make it with: {command}" if file.stem in MODELS else ""
         raise InputError(f"{path}: there is no such file{hint}")
@@ -50,15 +54,26 @@ def write_mesh(mesh: TetraMesh, path: str | os.PathLike[str], *, field: str | No
         field: the form of Nastran's fields, "small" unless given; see `write_nastran`. Other formats have none.
 
     Raises:
-        InputError: an unknown suffix, or what the writer of the format refuses.
+        InputError: what `check_target` refuses, or the writer of the format.
     """
-    suffix = known_suffix(path)
-    if suffix in NASTRAN:
+    if check_target(path, field) in NASTRAN:
         write_nastran(mesh, path, field=field or "small", comments=[mesh.report.source])
-    elif field is not None:
-        raise InputError(f"{path}: a field form ({field}) can only be chosen for Nastran, {' '.join(NASTRAN)}")
     else:
         write_foreign(mesh, path)
+
+
+def check_target(path: str | os.PathLike[str], field: str | None = None) -> str:
+    """Return the suffix of a file that a mesh may be written to: to be asked before the work, not after it.
+
+    Raises:
+        InputError: an unknown suffix, a format that holds no tetras, or a form of fields where there are none.
+    """
+    suffix = known_suffix(path)
+    if field is not None and suffix not in NASTRAN:
+        raise InputError(f"{path}: a field form ({field}) can only be chosen for Nastran, {' '.join(NASTRAN)}")
+    if suffix not in NASTRAN and not BY_SUFFIX[suffix].writes:
+        raise InputError(f"{path}: {BY_SUFFIX[suffix].title} files hold surfaces, no tetras")
+    return suffix
 
 
 def known_suffix(path: str | os.PathLike[str]) -> str:

@@ -141,12 +141,10 @@ def write_foreign(mesh: TetraMesh, path: str | os.PathLike[str]) -> None:
     """Write a mesh in one of FORMATS, chosen by the suffix: a whole file (TetGen: two), or none.
 
     Raises:
-        InputError: the format holds no tetras, or meshio or the system cannot write the file.
+        InputError: meshio or the system cannot write the file.
     """
     target = Path(path)
     form = BY_SUFFIX[target.suffix.lower()]
-    if not form.writes:
-        raise InputError(f"{path}: {form.title} files hold surfaces, no tetras")
     data = {}
     if form.keeps_ids:
         data = {"point_data": {POINT_ID: mesh.point_ids}, "cell_data": {TETRA_ID: [mesh.tet_ids]}}
@@ -264,7 +262,9 @@ def doubt_vtk(text: mmap.mmap, cells: Counter[str]) -> str:
 
 
 def doubt_su2(text: mmap.mmap, cells: Counter[str]) -> str:
-    """As VTK. `NELEM` counts the cells of the volume; those of the surface stand in markers."""
+    """As VTK. `NELEM` counts the cells of the volume; those of the surface stand in markers. In the plane there is none."""
+    if re.search(rb"(?m)^[ \t]*NDIME[ \t]*=[ \t]*2\b", text):
+        return ""
     volume = sum(cells[kind] for kind in ("tetra", "hexahedron", "wedge", "pyramid"))
     return doubt_count(re.findall(rb"(?m)^[ \t]*NELEM[ \t]*=[ \t]*(\d+)", text), volume) or doubt_last_line(text)
 

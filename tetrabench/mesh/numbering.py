@@ -3,13 +3,13 @@ neighbours in space, or in the graph of the edges, are neighbours in memory."""
 
 from collections.abc import Callable
 from dataclasses import replace
-from itertools import permutations
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tetrabench.errors import find_named
 from tetrabench.mesh.hilbert import hilbert_order
+from tetrabench.mesh.rcm import rcm_order
 from tetrabench.mesh.tetra_mesh import TetraMesh
 
 Rows = NDArray[np.int64]
@@ -57,23 +57,8 @@ def curve_order(mesh: TetraMesh, seed: int) -> tuple[Rows, Rows]:
 
 
 def graph_order(mesh: TetraMesh, seed: int) -> tuple[Rows, Rows]:
-    """Points by reverse Cuthill-McKee on the graph of the edges, tets by their new vertices. Takes no seed.
-
-    Cuthill and McKee, Reducing the bandwidth of sparse symmetric matrices, 1969, one component after the other;
-    reversed as by George, 1971. Points that no tetra uses come last, in their order.
-    """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import reverse_cuthill_mckee
-
-    points = len(mesh.points)
-    if not points:  # scipy takes no empty graph
-        return np.arange(0), np.arange(0)
-    starts, ends = np.concatenate([mesh.tets[:, pair] for pair in permutations(range(4), 2)]).T
-    edges = coo_array((np.ones(len(starts), bool), (starts, ends)), shape=(points, points)).tocsr()
-    order = reverse_cuthill_mckee(edges, symmetric_mode=True).astype(np.int64)
-    used = np.diff(edges.indptr) > 0
-    order = np.concatenate([order[used[order]], np.flatnonzero(~used)])
-
+    """Points by reverse Cuthill-McKee, tets by their new vertices. Takes no seed."""
+    order = rcm_order(mesh.tets, len(mesh.points))
     first, second, third, fourth = np.sort(inverse(order)[mesh.tets], axis=1).T
     return order, np.lexsort([fourth, third, second, first])
 

@@ -10,6 +10,7 @@ import numpy as np
 from numba.extending import register_jitable
 from numpy.typing import NDArray
 
+from tetrabench.errors import InputError
 from tetrabench.jit import kernel
 from tetrabench.mesh.hilbert import hilbert_order
 from tetrabench.tetra.points import grown
@@ -59,9 +60,15 @@ def nearest_points(tree: Tree, points: NDArray[np.float64], queries: NDArray[np.
         queries: (m, 3) float64.
 
     Returns:
-        (m,) int32 indices into `points`, -1 where there is no point at all. Of several equally near ones, any.
+        (m,) int32 indices into `points`, -1 where there is no point at all, or the query is none (NaN, or too far away
+        for a distance). Of several equally near ones, any.
+
+    Raises:
+        InputError: queries of another shape.
     """
     queries = np.require(queries, np.float64, ["C", "W", "O"])
+    if queries.ndim != 2 or queries.shape[1] != 3:
+        raise InputError(f"queries have the shape (m, 3), not {queries.shape}")
     found = np.empty(len(queries), np.int32)
     # in an order in which one search finds in the cache what the last one left there: twice as fast at random
     _search_all(tree, queries, hilbert_order(queries, _FINE), found)

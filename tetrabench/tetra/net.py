@@ -315,9 +315,12 @@ class TetraNet:
         """Split tetras in four around their centroids; children inherit the states. Returns how many were skipped.
 
         Raises:
-            InputError: a ref that is no tetra of the net, or that comes twice. The net is then as it was.
+            InputError: refs of another shape than (n,), one that is no tetra of the net, or that comes twice. The net is
+                then as it was.
         """
         refs = np.require(refs, np.int64, ["C", "W", "O"])
+        if refs.ndim != 1:
+            raise InputError(f"refs to split have the shape (n,), not {refs.shape}")
         strange = refs[~np.isin(refs, self.refs)]
         if len(strange):
             raise InputError(f"there is no tetra {strange[0]}")

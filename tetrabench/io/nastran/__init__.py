@@ -8,9 +8,10 @@ forms (MSC Nastran Quick Reference Guide, "Bulk Data Entries", Format of Bulk Da
                                                   *       2.+1
     free field    a comma anywhere on the line:   GRID,7,,1.5,-.25,2.+1
 
-One file for each layer, so that a dialect touches one of them: `cards` (a card of any form to one list of
-fields, a field to a number), `scan` (the loop over the cards; fills a `Deck`), `coordinates` (the CORD
-cards), `reader` (files, INCLUDE, scattered continuations, and the mesh of the deck), `writer`.
+One file for each layer, so that a dialect touches one of them: `source` (the files of a deck), `cards` (a card of
+any form to one list of fields, a field to a number), `scan` (the loop over the cards; fills a `Deck`), `spelling`
+(the numbers that are left), `scattered` (continuations elsewhere), `coordinates` (coordinate systems), `ids`
+(ids to rows), `reader` (INCLUDE, and from a deck to a mesh), `writer`.
 """
 
 from tetrabench.io.nastran.reader import read_nastran

@@ -32,6 +32,8 @@ from tetrabench.io.nastran.cards import (
     parse_integer,
     parse_real,
     split_card,
+    trimmed,
+    word_end,
 )
 from tetrabench.jit import kernel
 
@@ -48,7 +50,6 @@ POSITION, LAST, BEGUN, ENDED, DEFAULT_SYSTEM, QUADRATIC = range(6)
 POINTS, TETS, HARD, LOOSE, CORDS, NAMES = range(6, 12)
 
 GRDSET_SYSTEM = -1  # of a point whose field 3 is blank
-BASIC = 0
 FULL_NAMES = 256
 OTHERS = 0  # the kind of all cards of rarer names, where there are too many names
 EXTRA = 8  # rows that one card may take
@@ -235,7 +236,7 @@ def scan(text: Bytes, base: int, whole: bool, deck: Deck) -> int:
         elif is_cord(kind):
             cards_of_systems[cords, 0], cards_of_systems[cords, 1] = kind, base + place
             cords += 1
-        elif kind == ENDDATA or (kind == END and line_kind(text, place + 3) == BULK):
+        elif kind == ENDDATA or (kind == END and second_word(text, place) == BULK):
             ended = True
         elif kind == INCLUDE or kind >> 8 == INCLUDE:  # a quote may follow at once
             position, reason = place, AT_INCLUDE
@@ -264,6 +265,14 @@ def note_lost(loose: Integers, row: int, wrong: Integers, base: int, place: int,
     loose[row, 0], loose[row, 1] = base + wrong[0], base + wrong[1]
     loose[row, 2], loose[row, 3], loose[row, 4], loose[row, 5] = base + place, kind, of, count
     return row + 1
+
+
+@kernel
+def second_word(text: Bytes, place: int) -> Any:
+    """The word behind that with which a line begins, as `line_kind` gives it."""
+    end = line_end(text, place)
+    first, _ = trimmed(text, place, end)
+    return line_kind(text, word_end(text, first, end))
 
 
 @kernel

@@ -1,6 +1,8 @@
 """The files of a deck, each read through a window that moves on: no more of it is in memory than is looked at."""
 
 import codecs
+from bisect import bisect_right
+from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
 from typing import Self
@@ -18,7 +20,7 @@ class Source:
 
     Attributes:
         path: the file.
-        base: how many bytes the files before it have: a place in the deck is `base` and a byte of the file.
+        base: the place of its first byte: see `Sources`.
         size: its bytes, without a byte order mark.
     """
 
@@ -46,6 +48,10 @@ class Source:
     def window(self) -> "Window":
         """The file from its first byte on."""
         return Window(self, WINDOW)
+
+    def line_of(self, byte: int) -> int:
+        """The number of the line that a byte lies in, from 1."""
+        return count_newlines(self.text[:byte]) + 1
 
     def unreadable(self, error: OSError) -> InputError:
         """The error of the system as one for a person."""
@@ -102,6 +108,44 @@ class Window:
         self.text: Bytes = self._buffer[:filled]
 
 
-def count_lines(text: Bytes) -> int:
+class Sources:
+    """The files of a deck, in the order in which they were begun. A place is a byte of all of them, one after the other."""
+
+    def __init__(self) -> None:
+        self._sources: list[Source] = []
+
+    def __len__(self) -> int:
+        return len(self._sources)
+
+    def __iter__(self) -> Iterator[Source]:
+        return iter(self._sources)
+
+    def add(self, path: Path) -> Source:
+        """The next file. Raises InputError as `Source` does."""
+        last = self._sources[-1] if self._sources else None
+        source = Source(path, base=last.base + last.size + 1 if last else 0)
+        self._sources.append(source)
+        return source
+
+    def at(self, place: int) -> Source:
+        """The file that a place lies in."""
+        return self._sources[bisect_right(self._sources, place, key=lambda source: source.base) - 1]
+
+    def words(self, begin: int, end: int) -> str:
+        """The text between two places of one file."""
+        source = self.at(begin)
+        return source.text[begin - source.base : end - source.base].tobytes().decode("latin-1")
+
+    def where(self, place: int) -> str:
+        """The file and the line of a place."""
+        source = self.at(place)
+        return f"{source.path}:{source.line_of(place - source.base)}"
+
+    def refusal(self, place: int, reason: str) -> InputError:
+        """An error that names file and line."""
+        return InputError(f"{self.where(place)}: {reason}")
+
+
+def count_newlines(text: Bytes) -> int:
     """Count the newlines, a megabyte at a time: what fits into the processor's cache."""
     return sum(int(np.count_nonzero(text[i : i + 2**20] == NEWLINE)) for i in range(0, text.size, 2**20))

@@ -1,5 +1,6 @@
 """Write Nastran bulk data in small, large or free field."""
 
+import contextlib
 import os
 import re
 from collections.abc import Sequence
@@ -71,7 +72,8 @@ def write_nastran(
     tets = np.column_stack([mesh.tet_ids, np.ones(len(mesh.tets), np.int64), point_ids[mesh.tets]])
     if not np.isfinite(points).all():
         raise InputError(f"{path}: a coordinate that is NaN or infinite cannot be written")
-    low, high = (int(edge(np.append(tets, point_ids))) for edge in (np.min, np.max))
+    ids = np.append(tets, point_ids)
+    low, high = (int(ids.min()), int(ids.max())) if len(ids) else (1, 1)
     layout = {"small": SMALL, "large": LARGE, "free": free_layout(len(str(high)))}[field]
     if low < 1 or len(str(high)) > layout.width:
         held = f"{field} field holds whole numbers from 1, of up to {layout.width} digits"
@@ -79,7 +81,7 @@ def write_nastran(
     head = "".join(f"$ {line}\n" for comment in comments for line in comment.splitlines())
     write_whole(
         path,
-        (head + "BEGIN BULK\n").encode(),
+        (head + "BEGIN BULK\n").encode(errors="surrogateescape"),  # a file may have any bytes for a name
         free_points(points, point_ids) if field == "free" else point_records(points, point_ids, layout),
         integer_records(tets, layout.tetra, layout.tetra_ends),
         b"ENDDATA\n",
@@ -97,7 +99,8 @@ def write_whole(path: str | os.PathLike[str], *parts: bytes | Bytes) -> None:
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror or error}") from error
     finally:
-        draft.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):  # it has its name, or there never was one
+            draft.unlink()
 
 
 def free_layout(width: int) -> Layout:
