@@ -1,6 +1,6 @@
 """A busy machine that can be had again: on each core a process that works and rests, for random but seeded times.
 
-    python -m tests.measuring.busy [--seed N]      until it is stopped
+python -m tests.measuring.busy [--seed N]      until it is stopped
 """
 
 import argparse

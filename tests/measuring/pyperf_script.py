@@ -1,6 +1,6 @@
 """The workloads as pyperf's users write them: one script, a benchmark a scenario, in processes of its own each.
 
-    python tests/measuring/pyperf_script.py --contestant v3y --inherit-environ PYTHONPATH,TETRABENCH_CACHE -o v3y.json
+python tests/measuring/pyperf_script.py --contestant v3y --inherit-environ PYTHONPATH,TETRABENCH_CACHE -o v3y.json
 """
 
 import functools

@@ -15,6 +15,7 @@ class Comparison(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
         injected: the share of CPU time that the contestant burns on top: the truth.
         ratio: contestant / reference, as the tool has it; low, high: its interval, where the tool gives one.
         verdict: "faster", "slower", or else in the words of the tool.
+        by: which of its rules says so, where the tool has several.
         launches: with tetrabench, ln of each launch's ratio: what the verdict was made of.
     """
 
@@ -25,6 +26,7 @@ class Comparison(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     low: float | None = None
     high: float | None = None
     verdict: str
+    by: str = ""
     launches: list[float] = []
 
 

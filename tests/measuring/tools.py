@@ -10,8 +10,9 @@ import re
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
+from functools import partial
 from importlib.metadata import version
 from math import hypot
 from pathlib import Path
@@ -68,14 +69,14 @@ def measure(part: str, tool: str, seed: int, folder: Path, *, tiny: bool) -> Par
     )
 
 
-def call(command: list[str], **variables: str) -> "subprocess.CompletedProcess[str]":
-    """Run a command; its output goes to standard error too, once it is over, where it failed.
+def call(command: list[str], ok: tuple[int, ...] = (0,), **variables: str) -> "subprocess.CompletedProcess[str]":
+    """Run a command and take what it says.
 
     Raises:
-        RuntimeError: it failed.
+        RuntimeError: its exit code is none of those that are `ok`.
     """
     done = subprocess.run(command, cwd=ROOT, env={**environment(), **variables}, capture_output=True, text=True)
-    if done.returncode not in (0, 1):  # 1: pytest-benchmark's way to say "slower"
+    if done.returncode not in ok:
         raise RuntimeError(f"{' '.join(command)}: exit code {done.returncode}\n{done.stdout}\n{done.stderr}")
     return done
 
@@ -85,7 +86,9 @@ def spoken(command: list[str]) -> str:
     return " ".join(["python" if word == sys.executable else word for word in command]).replace(f"{ROOT}/", "")
 
 
-def by_tetrabench(seed: int, folder: Path, tiny: bool, backends: list[str] | None = None, names: Any = NAMES) -> Session:
+def by_tetrabench(
+    seed: int, folder: Path, tiny: bool, *, backends: Sequence[str] = (), names: Sequence[str] = NAMES
+) -> Session:
     """`tetrabench run`: all contestants in one ring."""
     file = folder / "results.json"
     chosen = ["--backend", ",".join(backends)] if backends else []
@@ -95,7 +98,9 @@ def by_tetrabench(seed: int, folder: Path, tiny: bool, backends: list[str] | Non
     call(command)
     results = read_results(file)
     rows = summary(results)
-    wrong = [f"{row.task} on {row.backend}: {row.verdict}" for row in rows if row.ratio is None and not is_reference(row)]
+    wrong = [
+        f"{row.task} on {row.backend}: {row.verdict}" for row in rows if row.ratio is None and not is_reference(row)
+    ]
     if wrong:
         raise RuntimeError(f"{file}: cells that did not end well: {wrong}")
     return Session(
@@ -163,7 +168,7 @@ def by_pyperf(seed: int, folder: Path, tiny: bool) -> Session:
             ratio = suites[contestant][name] / suites[REFERENCE][name]
             comparisons.append(_compared(name, contestant, ratio, said_by_pyperf(said, name)))
     return Session(
-        rule="`pyperf compare_to` (Student's t-test over all values, two-tailed, 95 %): slower or faster unless not significant",
+        rule="`pyperf compare_to` (Student's t-test, all values, two-tailed, 95 %): slower or faster, else not significant",
         version=version("pyperf"),
         command=[commands[0], spoken(command).replace(str(folder), "out")],
         comparisons=comparisons,
@@ -196,22 +201,22 @@ def by_pytest_benchmark(seed: int, folder: Path, tiny: bool) -> Session:
     command += ["--benchmark-storage", f"file://{folder}/saved-{os.getpid()}"]
     save_it = [*command, "--benchmark-save", REFERENCE, "--benchmark-json", str(folder / "base.json")]
     call(save_it, CONTESTANT=REFERENCE)
-    base = _pytest_medians(folder / "base.json")
+    base = _pytest_stats(folder / "base.json")
     comparisons = []
-    fails = [word for fail in FAILS for word in ("--benchmark-compare-fail", fail)]
     for contestant in CONTESTANTS:
         file = folder / f"{contestant}.json"
-        compare = [*command, "--benchmark-compare", "0001", *fails, "--benchmark-json", str(file)]
-        done = call(compare, CONTESTANT=contestant)
-        medians = _pytest_medians(file)
+        compare = [*command, "--benchmark-compare", "0001"]
+        compare += ["--benchmark-compare-fail", *FAILS]
+        done = call([*compare, "--benchmark-json", str(file)], ok=(0, 1), CONTESTANT=contestant)  # 1: slower
+        stats = _pytest_stats(file)
         for name in NAMES:
             for fail in FAILS:
-                is_slower = said_by_pytest_benchmark(done.stdout + done.stderr, name, fail)
-                ratio = medians[name] / base[name]
-                verdict = "slower" if is_slower else "not slower"
-                comparisons.append(_compared(name, contestant, ratio, f"{fail} {verdict}"))
+                field = fail.partition(":")[0]
+                verdict = said_by_pytest_benchmark(done.stdout + done.stderr, name, fail)
+                ratio = stats[name][field] / base[name][field]
+                comparisons.append(_compared(name, contestant, ratio, verdict, by=fail))
     return Session(
-        rule="`--benchmark-compare-fail`: the run fails where the figure is beyond that of the saved run by more than the share",
+        rule="`--benchmark-compare-fail`: the run fails where the figure is above that of the saved run by more than this",
         version=version("pytest-benchmark"),
         command=[spoken(one).replace(str(folder), "out") for one in (save_it, compare)],
         comparisons=comparisons,
@@ -219,16 +224,18 @@ def by_pytest_benchmark(seed: int, folder: Path, tiny: bool) -> Session:
     )
 
 
-def _pytest_medians(file: Path) -> dict[str, float]:
-    """Seconds of each scenario."""
-    return {one["params"]["name"]: one["stats"]["median"] for one in json.loads(file.read_text())["benchmarks"]}
+def _pytest_stats(file: Path) -> dict[str, dict[str, float]]:
+    """Seconds of each scenario: its min, median, ..."""
+    return {one["params"]["name"]: one["stats"] for one in json.loads(file.read_text())["benchmarks"]}
 
 
-def said_by_pytest_benchmark(text: str, name: str, fail: str) -> bool:
-    """Whether a test was said to have regressed by a rule such as "min:5%"."""
+def said_by_pytest_benchmark(text: str, name: str, fail: str) -> str:
+    """What a rule such as "min:5%" made of a test: "slower" or "not slower"."""
     field, share = fail.removesuffix("%").split(":")
-    pattern = rf"test_workload\[{name}\].* - Field '{field}' has failed PercentageRegressionCheck: .* > {float(share):.9f}"
-    return re.search(pattern, text) is not None
+    pattern = (
+        rf"test_workload\[{name}\].* - Field '{field}' has failed PercentageRegressionCheck: .* > {float(share):.9f}"
+    )
+    return "slower" if re.search(pattern, text) else "not slower"
 
 
 def by_hyperfine(seed: int, folder: Path, tiny: bool) -> Session:
@@ -261,7 +268,13 @@ def by_hyperfine(seed: int, folder: Path, tiny: bool) -> Session:
 
 
 def _compared(
-    name: str, contestant: str, ratio: float, verdict: str, low: float | None = None, high: float | None = None
+    name: str,
+    contestant: str,
+    ratio: float,
+    verdict: str,
+    low: float | None = None,
+    high: float | None = None,
+    by: str = "",
 ) -> Comparison:
     return Comparison(
         scenario=name,
@@ -271,6 +284,7 @@ def _compared(
         low=None if low is None else round(low, 4),
         high=None if high is None else round(high, 4),
         verdict=verdict,
+        by=by,
     )
 
 
@@ -279,4 +293,6 @@ TOOLS: dict[str, Tool] = {
     "pyperf": by_pyperf,
     "pytest-benchmark": by_pytest_benchmark,
     "hyperfine": by_hyperfine,
+    "pair": partial(by_tetrabench, backends=[REFERENCE, "slower-10"], names=["alfa"]),
 }
+"""`pair`: what it costs tetrabench to compare two, and no more."""

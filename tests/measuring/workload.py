@@ -1,6 +1,6 @@
-"""What the other tools measure: a scenario of the plug-in on the same storage and the same model, as callables and as a command.
+"""What the other tools measure: a scenario of the plug-in, same storage and model, as callables and as a command.
 
-    python -m tests.measuring.workload SCENARIO CONTESTANT      the command line that hyperfine times
+python -m tests.measuring.workload SCENARIO CONTESTANT      the command line that hyperfine times
 """
 
 import argparse
