@@ -6,7 +6,7 @@ INSTALLED = build/installed
 RUN_TETS ?= 120k
 OUT ?= out
 
-.PHONY: run test test-all lint types bench-native bench-peers fuzz results thesis clean help
+.PHONY: run test test-all lint types bench-native bench-peers measuring fuzz results thesis clean help
 
 help:            ## list the targets
 	@grep -E '^[a-z-]+: .*##|^[a-z-]+: *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 16
@@ -40,6 +40,9 @@ bench-peers: $(VENV)/peers  ## our bulk operations beside packages from PyPI (a 
 	@mkdir -p $(OUT)
 	$(BIN)/python tests/peers/bench_peers.py -o $(OUT)/peers.json
 
+measuring: $(VENV)/measuring  ## is the harness to be believed? beside pyperf, pytest-benchmark, hyperfine (hours; needs hyperfine)
+	$(BIN)/python -m tests.measuring
+
 fuzz: $(VENV)/developing  ## a million mutated decks through the Nastran reader (hours)
 	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m tests.io.fuzz_nastran
 
@@ -71,6 +74,11 @@ $(VENV)/developing: $(VENV)/bin/python pyproject.toml
 $(VENV)/peers: $(VENV)/developing pyproject.toml
 	@echo 'installing the packages that tetrabench is compared with'
 	@$(BIN)/python -m pip install -qq --no-build-isolation -e '.[peers]'
+	@touch $(BIN)/tetrabench $(VENV)/developing $@
+
+$(VENV)/measuring: $(VENV)/developing pyproject.toml
+	@echo 'installing the tools that tetrabench is compared with'
+	@$(BIN)/python -m pip install -qq --no-build-isolation -e '.[measuring]'
 	@touch $(BIN)/tetrabench $(VENV)/developing $@
 
 clean:           ## remove the environment and everything built

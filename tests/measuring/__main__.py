@@ -21,9 +21,8 @@ ORDER = (
 )
 """The sessions in turns, so that all tools are asked within the same hour."""
 
-PARTS = {
-    f"{tool}-{ORDER.split()[:place].count(tool)}": tool for place, tool in enumerate(ORDER.split())
-} | dict.fromkeys(cost.RUNS, "cost")
+SESSIONS = {f"{tool}-{ORDER.split()[:place].count(tool)}": tool for place, tool in enumerate(ORDER.split())}
+PARTS = SESSIONS | dict.fromkeys(cost.RUNS, "cost")
 """Part -> the tool whose session it is, in the order in which they are made; a part's place is its seed."""
 
 

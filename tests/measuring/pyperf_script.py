@@ -9,7 +9,8 @@ from typing import Any
 
 import pyperf
 
-from tests.measuring.workload import NAMES, SHARES, workload
+from tests.measuring.injected import NAMES, SHARES
+from tests.measuring.workload import workload
 
 prepared = functools.cache(workload)  # in the process that measures, at its first turn
 

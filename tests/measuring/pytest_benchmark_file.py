@@ -5,7 +5,8 @@ from typing import Any
 
 import pytest
 
-from tests.measuring.workload import NAMES, REFERENCE, workload
+from tests.measuring.injected import NAMES, REFERENCE
+from tests.measuring.workload import workload
 
 ROUNDS = 33
 """Of explode, which needs a fresh net each time: about a second, as long as the tool spends on the others."""

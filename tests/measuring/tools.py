@@ -19,8 +19,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from tests.measuring.busy import busy
+from tests.measuring.injected import NAMES, REFERENCE, SHARES
 from tests.measuring.record import Comparison, Part
-from tests.measuring.workload import CONTESTANTS, MODEL, NAMES, REFERENCE, ROOT, SHARES, TETS, environment
+from tests.measuring.workload import MODEL, ROOT, TETS, environment
 from tetrabench.bench.environment import cpu_ticks, describe_environment
 from tetrabench.bench.record import Results, read_results
 from tetrabench.bench.statistics import Row, launch_ratios, summary
@@ -106,7 +107,7 @@ def by_tetrabench(
     return Session(
         rule="the verdict of `tetrabench run`: the interval over launches, 95 % for all contestants of a scenario together",
         version=version("tetrabench"),
-        command=[f"PYTHONPATH=tests/measuring/plugin {spoken(command)}".replace(str(folder), "out")],
+        command=[f"PYTHONPATH=.:tests/measuring/plugin {spoken(command)}".replace(str(folder), "out")],
         comparisons=[_judged(row, results) for row in rows if not row.control and not is_reference(row)],
         sides=len({row.backend for row in rows}) * len(names),
         controls=[_judged(row, results) for row in rows if row.control],
@@ -161,7 +162,7 @@ def by_pyperf(seed: int, folder: Path, tiny: bool) -> Session:
         for name, file in files.items()
     }
     comparisons = []
-    for contestant in CONTESTANTS:
+    for contestant in COMPARED:
         command = [sys.executable, "-m", "pyperf", "compare_to", str(files[REFERENCE]), str(files[contestant])]
         said = call(command).stdout
         for name in NAMES:
@@ -189,6 +190,8 @@ def said_by_pyperf(text: str, name: str) -> str:
     raise ValueError(f"pyperf says nothing about {name}:\n{text}")
 
 
+COMPARED = [name for name in SHARES if name != REFERENCE]
+
 FAILS = ("min:5%", "median:10%")
 """The example of pytest-benchmark's help, and what is milder to noise. Each is a row of its own."""
 
@@ -203,7 +206,7 @@ def by_pytest_benchmark(seed: int, folder: Path, tiny: bool) -> Session:
     call(save_it, CONTESTANT=REFERENCE)
     base = _pytest_stats(folder / "base.json")
     comparisons = []
-    for contestant in CONTESTANTS:
+    for contestant in COMPARED:
         file = folder / f"{contestant}.json"
         compare = [*command, "--benchmark-compare", "0001"]
         compare += ["--benchmark-compare-fail", *FAILS]
@@ -251,7 +254,7 @@ def by_hyperfine(seed: int, folder: Path, tiny: bool) -> Session:
         call(command)
         found = {one["command"]: one for one in json.loads(file.read_text())["results"]}
         base = found[words[REFERENCE]]
-        for contestant in CONTESTANTS:
+        for contestant in COMPARED:
             other = found[words[contestant]]
             ratio = other["mean"] / base["mean"]
             around = ratio * hypot(other["stddev"] / other["mean"], base["stddev"] / base["mean"])

@@ -5,27 +5,21 @@ python -m tests.measuring.workload SCENARIO CONTESTANT      the command line tha
 
 import argparse
 import os
-import sys
 import time
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from tests.measuring.injected import NAMES, REFERENCE, SHARES, burn
+from tetrabench import registry
+
 ROOT = Path(__file__).parents[2]
 PLUGIN = Path(__file__).with_name("plugin")
-sys.path.insert(0, str(PLUGIN))
-
-from injected import NAMES, REFERENCE, SHARES, burn  # noqa: E402
-
-from tetrabench import registry  # noqa: E402
 
 MODEL, TETS = "nozzle", 30_000
-CONTESTANTS = [name for name in SHARES if name != REFERENCE]
 REPEATS = 10
 """Runs in one command, so that the workload is a good part of what the command takes."""
-
-__all__ = ["CONTESTANTS", "MODEL", "NAMES", "PLUGIN", "REFERENCE", "REPEATS", "ROOT", "SHARES", "TETS"]
 
 
 class Workload(NamedTuple):

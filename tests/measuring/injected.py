@@ -1,6 +1,6 @@
 """A plug-in whose truth is known: copies of v3y, some of which burn a known share of CPU time on top.
 
-PYTHONPATH=tests/measuring/plugin tetrabench run --model nozzle --tets 30k --family injected
+PYTHONPATH=.:tests/measuring/plugin tetrabench run --model nozzle --tets 30k --family injected
 """
 
 import time
