@@ -34,6 +34,7 @@ TOKENS = [
     *("0", "-1", "1", "4", "99999999", "9" * 19, "9" * 40, "1.", "\x00", "\xff", "\xe4", "'", '"', "x" * 80, "0" * 400),
 ]
 CARD = re.compile(rb"^[\x00-\x08\x0b-\x20]*CTETRA(?=[\x00-\x20,*]|\Z)", re.IGNORECASE)
+FREE = re.compile(rb"^[\x00-\x09\x0b-\x20]*CTETRA[ \t*]*,", re.IGNORECASE)
 END = re.compile(
     rb"^[\x00-\x20]*(ENDDATA(?=[\x00-\x20,*]|\Z)|END[\x00-\x09\x0b-\x20]+BULK(?=[\x00-\x20,*]|\Z))", re.IGNORECASE
 )
@@ -86,7 +87,7 @@ def expected_tetras(deck: bytes) -> int:
     for line in deck.removeprefix(b"\xef\xbb\xbf").split(b"\n"):
         if END.match(line) and not starts_elsewhere(line):
             break
-        count += bool(CARD.match(line)) and not starts_elsewhere(line)
+        count += bool(FREE.match(line)) or (bool(CARD.match(line)) and not starts_elsewhere(line))
     return count
 
 

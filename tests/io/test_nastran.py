@@ -194,6 +194,7 @@ DIALECTS = {
     "lower case": (FREE_POINTS + FREE_TETRA).lower(),
     "byte order mark": "\xef\xbb\xbf" + FREE_POINTS + FREE_TETRA,
     "END BULK": FREE_POINTS + FREE_TETRA + "END BULK\nnonsense GRID\nGRID,x\n",
+    "cards in free field, indented": FREE_POINTS.replace("GRID,4", " \t GRID ,4") + "PSOLID,1\n" + " " * 12 + FREE_TETRA,
     "END BULK, indented": FREE_POINTS + FREE_TETRA + "  END BULK\nGRID,x\n",
     "nothing after ENDDATA counts": FREE_POINTS + FREE_TETRA + "ENDDATA*\nGRID,x\n",
     "trailing commas": FREE_POINTS + "CTETRA,1,1,1,2,3,4,,,,,,\n",

@@ -49,21 +49,33 @@ def kind_of(name: str) -> int:
     return int.from_bytes(name.encode(), "big")
 
 
+GRID, CTETRA = kind_of("GRID"), kind_of("CTETRA")
+
+
 @kernel
 def line_kind(text: Bytes, place: int) -> int:
-    """Return NOTHING for a blank line or a comment, CONTINUATION, or a card's name as one integer."""
+    """Return NOTHING for a blank line or a comment, CONTINUATION, or a card's name as one integer.
+
+    What begins beyond the first field goes on with the card above it; but GRID or CTETRA before a comma is a card in
+    free field that somebody has indented, and to take it for a list of numbers would be to lose it.
+    """
     i, column = place, 0
     while i < text.size and text[i] <= BLANK and text[i] != NEWLINE:
         column += 8 if text[i] == TAB else 1
         i += 1
     blank = i >= text.size or text[i] == NEWLINE or text[i] == DOLLAR
-    continued = not blank and (column >= 8 or text[i] == PLUS or text[i] == STAR or text[i] == COMMA)
+    continued = not blank and (text[i] == PLUS or text[i] == STAR or text[i] == COMMA)
     kind = CONTINUATION if continued else NOTHING
     end = i if blank or continued else min(i + 8, text.size)
     while i < end and text[i] > BLANK and text[i] != COMMA and text[i] != STAR:
         letter = min(int(text[i]), 127)  # the names of cards are ASCII; others shall not overflow
         kind = kind << 8 | (letter - 32 if 97 <= letter <= 122 else letter)
         i += 1
+    if column >= 8 and not blank:
+        while i < text.size and (text[i] == BLANK or text[i] == TAB or text[i] == STAR):
+            i += 1
+        free = i < text.size and text[i] == COMMA
+        kind = kind if free and (kind == GRID or kind == CTETRA) else CONTINUATION
     return kind
 
 

@@ -8,10 +8,12 @@ from tetrabench.io.nastran.cards import (
     BLANK,
     COMMA,
     CONTINUATION,
+    CTETRA,
     CUT,
     DANGLING,
     EQUALS,
     EXACT,
+    GRID,
     INCOMPLETE,
     INTEGER,
     MALFORMED,
@@ -37,7 +39,7 @@ from tetrabench.io.nastran.cards import (
 )
 from tetrabench.jit import kernel
 
-GRID, CTETRA, GRDSET, INCLUDE = map(kind_of, ("GRID", "CTETRA", "GRDSET", "INCLUDE"))
+GRDSET, INCLUDE = map(kind_of, ("GRDSET", "INCLUDE"))
 BEGIN, ENDDATA, END, BULK = map(kind_of, ("BEGIN", "ENDDATA", "END", "BULK"))
 CORD = {kind_of(f"CORD{number}{form}"): (number, form) for number in (1, 2) for form in "RCS"}
 CORD1R, CORD1C, CORD1S, CORD2R, CORD2C, CORD2S = CORD
