@@ -6,7 +6,7 @@ INSTALLED = build/installed
 RUN_TETS ?= 120k
 OUT ?= out
 
-.PHONY: run test test-all lint types bench-native bench-peers measuring fuzz results thesis clean help
+.PHONY: run test test-all lint types bench-native bench-peers measuring schema fuzz results thesis clean help
 
 help:            ## list the targets
 	@grep -E '^[a-z-]+: .*##|^[a-z-]+: *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 16
@@ -42,6 +42,9 @@ bench-peers: $(VENV)/peers  ## our bulk operations beside packages from PyPI (a 
 
 measuring: $(VENV)/measuring  ## is the harness to be believed? beside pyperf, pytest-benchmark, hyperfine (hours; needs hyperfine)
 	$(BIN)/python -m tests.measuring
+
+schema: $(BIN)/tetrabench  ## the published schema of results files, made anew from their records
+	$(BIN)/python -m tetrabench.bench.schema > docs/results-1.schema.json
 
 fuzz: $(VENV)/developing  ## a million mutated decks through the Nastran reader (hours)
 	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m tests.io.fuzz_nastran

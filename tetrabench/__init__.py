@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import os
 
-    from tetrabench.bench import load_results, run
+    from tetrabench.bench import load_results, load_summary, run
     from tetrabench.io import read_mesh, write_mesh
     from tetrabench.jit import kernel
     from tetrabench.mesh import TetraMesh
@@ -23,6 +23,7 @@ __all__ = [
     "generate",
     "kernel",
     "load_results",
+    "load_summary",
     "open",
     "read_mesh",
     "run",
@@ -35,6 +36,7 @@ _HOMES = {
     "generate": "tetrabench.mesh.models",
     "kernel": "tetrabench.jit",
     "load_results": "tetrabench.bench",
+    "load_summary": "tetrabench.bench",
     "read_mesh": "tetrabench.io",
     "run": "tetrabench.bench",
     "write_mesh": "tetrabench.io",

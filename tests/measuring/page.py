@@ -62,7 +62,7 @@ def times(parts: list[Part]) -> Iterator[list[str]]:
     """What a comparison cost."""
     yield ["tool", "version", "sessions", "a session took", "one contestant, one scenario", "load", "steal", "begun"]
     for tool in (*NAMED, "pair"):
-        mine = [part for part in parts if part.tool == tool]
+        mine = [part for part in parts if part.tool == tool and part.comparisons]
         if mine:
             name = "tetrabench, two contestants alone" if tool == "pair" else tool
             session = f"{mean(part.seconds for part in mine) / 60:.1f} min"
@@ -89,7 +89,7 @@ def rules(parts: list[Part]) -> Iterator[list[str]]:
     """How each tool says that there is a difference, and what was run."""
     yield ["tool", "its rule"]
     for tool in NAMED:
-        if mine := [part for part in parts if part.tool == tool]:
+        if mine := [part for part in parts if part.tool == tool and part.comparisons]:
             yield [f"{tool} {mine[0].version}", mine[0].rule]
 
 

@@ -24,7 +24,7 @@ def draw(folder: Path = FOLDER, file: Path = PICTURE) -> None:
 def paint(parts: list[Part]) -> Figure:
     """Equal codes on the left, slowdowns on the right."""
     tools = list(verdicts(parts))
-    figure = Figure(figsize=(11, 4.6), layout="constrained")
+    figure = Figure(figsize=(12.5, 4.4), layout="constrained")
     grid = figure.add_gridspec(1, len(tools) + 1, width_ratios=[1.0] * len(tools) + [3.0])
     first: Axes | None = None
     for place, (name, _, found) in enumerate(tools):
@@ -48,7 +48,7 @@ def _ratios(axes: Axes, title: str, found: list[Comparison]) -> None:
         axes.plot([place], [_inside(one.ratio)], "x" if ranks else ".", color=ALARM if ranks else "black", markersize=5)
     axes.axhline(1, color="black", linewidth=0.6)
     wrong = sum(one.verdict in ("slower", "faster") for one in found)
-    axes.set(yscale="log", ylim=(1 / WIDEST, WIDEST), xticks=[], xlabel=f"{wrong} of {len(found)}\nranked")
+    axes.set(yscale="log", ylim=(1 / WIDEST, WIDEST), xticks=[], xlabel=f"{wrong} of {len(found)}\nwrong")
     axes.set_yticks([0.5, 0.7, 0.9, 1.1, 1.4, 2.0], ["0.5", "0.7", "0.9", "1.1", "1.4", "2"])
     axes.minorticks_off()
     axes.set_title(title, fontsize=9)
@@ -66,5 +66,5 @@ def _curves(axes: Axes, tools: list[tuple[str, Part, list[Comparison]]]) -> None
         axes.plot([100 * share for share in shares], rates, marker=marker, color=colour, label=name, clip_on=False)
     axes.set(xlabel="injected slowdown, %", ylabel='called "slower", %', ylim=(0, 100), xticks=[0, 10, 20, 30])
     axes.grid(alpha=0.3)
-    axes.legend(fontsize=8, frameon=False, loc="center right")
+    axes.legend(fontsize=8, frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5))
     axes.set_title("at 0 a false alarm, elsewhere a catch", fontsize=9)

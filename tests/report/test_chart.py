@@ -1,32 +1,63 @@
-"""The charts: files that can be opened, bars that are cut where they dwarf others, looks that stay."""
+"""The charts: files that can be opened, intervals, bars that are cut where they dwarf others, looks that stay."""
 
 from pathlib import Path
 
 import pytest
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 from matplotlib.patches import Polygon, Rectangle
 
-from tests.report.made import change, make_backend, make_results
-from tetrabench.bench import summary
+from tests.report.made import SECONDS, change, make_backend, make_control, make_memory, make_results, make_sweep
+from tetrabench.bench.record import Results
+from tetrabench.bench.statistics import ALIKE, CLEAR, summary
 from tetrabench.errors import InputError
-from tetrabench.report.chart import draw_charts, draw_memory, draw_times
-from tetrabench.report.style import make_styles
+from tetrabench.report.bars import CONTROL
+from tetrabench.report.chart import draw_charts, draw_growth, draw_memory, draw_times
+from tetrabench.report.parts import make_parts
+from tetrabench.report.style import EDGE, make_styles
+
+TWO = {"flow": {"v3y": 1.0, "v4": 2.0}}
 
 
-def panels(figure: Figure) -> list:
-    return figure.axes
+def panels_of_times(results: Results) -> list[Axes]:
+    (part,) = make_parts(results)
+    return draw_times(part).axes
 
 
-def cuts(axes) -> int:
+def panels_of_memory(results: Results) -> list[Axes]:
+    (part,) = make_parts(results)
+    return draw_memory(part).axes
+
+
+def cuts(axes: Axes) -> int:
     return sum(isinstance(patch, Polygon) and not isinstance(patch, Rectangle) for patch in axes.patches)
 
 
-def words(axes) -> list[str]:
+def words(axes: Axes) -> list[str]:
     return [text.get_text() for text in axes.texts]
 
 
-def test_both_charts_are_written(tmp_path: Path):
+def bars(axes: Axes) -> list[Rectangle]:
+    return [bar for container in axes.containers for bar in container]
+
+
+def whiskers(axes: Axes, colour: str = EDGE) -> list[tuple[float, float]]:
+    lines = [line for line in axes.lines if line.get_marker() == "_" and line.get_color() == colour]
+    return [tuple(map(float, line.get_ydata())) for line in lines]
+
+
+def is_hollow(bar: Rectangle) -> bool:
+    return bar.get_facecolor()[:3] == (1.0, 1.0, 1.0)
+
+
+def caption(figure: Figure) -> str:
+    (text,) = (text.get_text() for part in figure.subfigs for text in part.texts if "tetras" in text.get_text())
+    return text.replace("\n", " ")
+
+
+def test_charts_are_written(tmp_path: Path):
     paths = draw_charts(make_results(), tmp_path / "new")
     assert [path.name for path in paths] == ["times.png", "memory.png"]
     for path in paths:
@@ -36,75 +67,169 @@ def test_both_charts_are_written(tmp_path: Path):
         assert "<svg" in path.read_text()
 
 
+def test_each_model_and_each_reference_has_charts_of_its_own(tmp_path: Path):
+    results = make_sweep(TWO, {"v3y": 1, "v4": 1}, [100, 200])
+    names = [path.name for path in draw_charts(results, tmp_path)]
+    assert names == [
+        "times-nozzle-100.png",
+        "memory-nozzle-100.png",
+        "times-nozzle-200.png",
+        "memory-nozzle-200.png",
+        "growth.png",
+    ]
+    backends = [make_backend("v3y"), make_backend("v4 base", against="v4 base")]
+    results = make_results({"flow": {"v3y": 1.0, "v4 base": 2.0}}, backends=backends, memory=[])
+    names = [path.name for path in draw_charts(results, tmp_path)]
+    assert names == ["times-v3y.png", "memory-v3y.png", "times-v4-base.png", "memory-v4-base.png"]
+
+
 def test_a_dwarfing_bar_is_cut_and_labelled():
-    results = make_results()
-    (axes,) = panels(draw_times(results, summary(results)))
+    (axes,) = panels_of_times(make_results(wobble=0.0))
     assert words(axes) == ["711x", "709x", "28x", "199x"]
     assert cuts(axes) == 4
-    assert max(patch.get_height() for patch in axes.patches if isinstance(patch, Rectangle)) < 5
+    assert max(bar.get_height() for bar in bars(axes)) < 5
+
+
+def test_a_bound_is_labelled_as_one():
+    (axes,) = panels_of_times(make_results({"flow": {"v3y": 1.0, "v4": 50.0}}, launches=2, wobble=0.1))
+    assert words(axes) == [">48x"]
 
 
 def test_where_no_bar_dwarfs_none_is_cut():
-    results = make_results({"flow": {"v3y": 1.0, "v4": 3.9}})
-    (axes,) = panels(draw_times(results, summary(results)))
+    (axes,) = panels_of_times(make_results({"flow": {"v3y": 1.0, "v4": 3.9}}))
     assert words(axes) == []
     assert cuts(axes) == 0
 
 
-@pytest.mark.parametrize(("status", "word"), [("wrong-result", "wrong"), ("crash", "crashed"), ("skipped", "skipped")])
+def test_whiskers_are_the_intervals_and_the_grey_one_the_controls():
+    results = make_results({"flow": {"v3y": 1.0, "v4": 2.0}}, wobble=0.1)
+    row = next(row for row in summary(results) if row.backend == "v4")
+    control = next(row for row in summary(results) if row.control)
+    (axes,) = panels_of_times(results)
+    assert whiskers(axes) == [pytest.approx((row.low, row.high))]
+    assert whiskers(axes, CONTROL) == [pytest.approx((control.low, control.high))]
+    (axes,) = panels_of_times(make_results(TWO, launches=1))  # nothing to span
+    assert whiskers(axes) == []
+
+
+def test_whiskers_stay_in_the_picture():
+    (axes,) = panels_of_times(make_results({"flow": {"v3y": 1.0, "v4": 11.0}}, wobble=1.0))
+    assert max(high for _, high in whiskers(axes)) <= axes.get_ylim()[1]
+
+
+def test_what_is_not_ranked_is_hollow():
+    results = make_results({"flow": {"v3y": 1.0, "v4": 2.0, "v5": 1.0, "v3": 1.06}}, wobble=0.1)
+    (axes,) = panels_of_times(results)
+    assert [is_hollow(bar) for bar in bars(axes)] == [False, False, True, True]  # unclear, both
+    (axes,) = panels_of_times(make_results({"flow": {"v3y": 1.0, "v4": 2.0, "v5": 4.0}}, launches=2))
+    assert [is_hollow(bar) for bar in bars(axes)] == [False, True, False]  # a hint
+
+
+def test_the_band_is_where_nothing_is_ranked():
+    def band(axes: Axes) -> tuple[float, float]:
+        (patch,) = (patch for patch in axes.patches if patch not in bars(axes))
+        return patch.get_y(), patch.get_y() + patch.get_height()
+
+    (axes,) = panels_of_times(make_results(TWO))
+    assert band(axes) == pytest.approx((1 / ALIKE, ALIKE))
+    (axes,) = panels_of_times(make_results(TWO, launches=2))
+    assert band(axes) == pytest.approx((1 / CLEAR, CLEAR))
+
+
+@pytest.mark.parametrize(
+    ("status", "word"),
+    [("wrong-result", "wrong"), ("crash", "crashed"), ("oom", "no memory"), ("skipped", "skipped")],
+)
 def test_no_bar_for_a_bad_cell(status: str, word: str):
-    results = make_results({"flow": {"v3y": 1.0, "v4": 2.0}})
-    (axes,) = panels(draw_times(results, summary(results)))
+    results = make_results(TWO)
+    (axes,) = panels_of_times(results)
     before = len(axes.containers)
-    results = change(results, "flow", "v4", status=status)
-    (axes,) = panels(draw_times(results, summary(results)))
+    (axes,) = panels_of_times(change(results, "flow", "v4", status=status))
     assert words(axes) == [word]
     assert len(axes.containers) == before - 1
 
 
-def test_many_scenarios_stand_in_rows_of_one_scale():
-    results = make_results({f"s{n}": {"v3y": 1.0, "v4": n / 3} for n in range(1, 13)})
-    rows = panels(draw_times(results, summary(results)))
+def test_many_tasks_stand_in_rows_of_one_scale():
+    rows = panels_of_times(make_results({f"s{n}": {"v3y": 1.0, "v4": n / 3} for n in range(1, 13)}))
     assert len(rows) == 2
     assert rows[0].get_ylim() == rows[1].get_ylim()
 
 
 def test_axes_say_what_they_show():
     results = make_results()
-    (axes,) = panels(draw_times(results, summary(results)))
-    assert axes.get_ylabel() == "CPU time, multiple of v3y's"
-    assert [label.get_text().split("\n")[0] for label in axes.get_xticklabels()] == list(results.options)
-    structure, peak = panels(draw_memory(results, summary(results)))
-    assert "bytes a tetra" in structure.get_ylabel()
-    assert "MB" in peak.get_ylabel()
+    (axes,) = panels_of_times(results)
+    assert axes.get_ylabel() == "time, multiple of v3y's"
+    assert [label.get_text().split("\n")[0] for label in axes.get_xticklabels()] == list(SECONDS)
+    structure, retained, peak = panels_of_memory(results)
+    assert structure.get_ylabel() == "bytes a tetra"
+    assert [axes.get_title() for axes in (structure, retained, peak)] == [
+        "fresh structure",
+        "retained by its process",
+        "peak while it is built",
+    ]
     assert words(structure) == ["236", "236", "236", "252", "236", "236", "236"]
+    assert words(peak)[3] == "277"
 
 
-def test_caption_names_model_machine_day_and_that_it_is_provisional():
-    results = make_results()
-    for figure in (draw_times(results, summary(results)), draw_memory(results, summary(results))):
-        (caption,) = (text.get_text() for part in figure.subfigs for text in part.texts if "tetras" in text.get_text())
-        for fact in ("642,720 tetras", "Core2", "2011-05-01", "Provisional"):
-            assert fact in caption
+def test_memory_that_could_not_be_measured_is_a_word():
+    memory = [make_memory("v3y"), make_memory("v4", status="crash")]
+    structure, *_ = panels_of_memory(make_results(TWO, memory=memory))
+    assert words(structure) == ["236", "crashed"]
+    (structure,) = panels_of_memory(make_results(TWO, memory=[]))  # no memory pass: what they said themselves
+    assert words(structure) == ["236", "252"]
+
+
+def test_caption_names_model_machine_day_and_what_whiskers_are():
+    (part,) = make_parts(make_results())
+    for figure in (draw_times(part), draw_memory(part)):
+        for fact in ("642,720 tetras", "Core2", "2011-05-01", "8 launches of 3 rounds"):
+            assert fact in caption(figure)
+    assert "intervals that hold with" in caption(draw_times(part))
+    (part,) = make_parts(make_results(launches=2))
+    assert "too few for intervals" in caption(draw_times(part))
+
+
+def test_growth_has_a_panel_a_task_and_a_line_a_contestant():
+    sizes = [100, 200, 400]
+    results = make_sweep({"alfa": {"v3y": 1.0, "v4": 2.0}, **TWO}, {"v3y": 1, "v4": 1.5}, sizes)
+    results = change(results, "flow", "v4", status="crash")
+    axes = draw_growth(results, summary(results)).axes
+    assert [one.get_title() for one in axes] == ["alfa", "flow"]
+    assert [len(one.lines) for one in axes] == [2, 1]
+    assert list(axes[0].lines[0].get_xdata()) == sizes
+    level, rising = (line.get_ydata() for line in axes[0].lines)
+    assert level[-1] == pytest.approx(level[0])
+    assert rising[-1] == pytest.approx(2 * rising[0])
+    assert axes[0].get_xlabel() == "tetras"
 
 
 def test_a_contestant_looks_the_same_whoever_takes_part():
     everybody = make_styles(make_results())
     two = make_styles(make_results({"alfa": {"v3y": 1.0, "v5": 2.0}}))
     assert two == {name: everybody[name] for name in ("v3y", "v5")}
-    looks = [(style.paint["facecolor"], style.paint["hatch"]) for style in everybody.values()]
-    assert len(set(looks)) == 7
+    patches = [(style.paint["facecolor"], style.paint["hatch"]) for style in everybody.values()]
+    assert len(set(patches)) == 7
+    lines = [(style.line["linestyle"], style.line["marker"]) for style in everybody.values()]
+    assert len(set(lines)) == 7  # without colour
     hatches = [
         [style.paint["hatch"] for name, style in everybody.items() if name[:2] == layout] for layout in ("v3", "v5")
     ]
     assert hatches[0] == hatches[1]  # one hatch a slot policy
 
 
+def test_without_colour_bars_can_be_told_apart():
+    """In grey, contestants of one hatch differ in brightness, or have another place in the group; hatches differ anyway."""
+    styles = make_styles(make_results())
+    greys = {name: round(sum(to_rgb(style.paint["facecolor"])) / 3, 2) for name, style in styles.items()}
+    assert len({(greys[name], style.paint["hatch"]) for name, style in styles.items()}) == 7
+
+
 def test_results_of_elsewhere_can_be_drawn(tmp_path: Path):
-    backends = [make_backend("v3y"), make_backend("else", title="no comma", structure={})]
+    backends = [make_backend("v3y"), make_backend("else", title="no comma", structure={}), make_control()]
     seconds = {"alfa": {"v3y": 1.0, "else": 2.0}}
-    draw_charts(make_results(seconds, backends=backends, family="unheard-of", model_size={}), tmp_path)
-    draw_charts(make_results(samples=[], model_size={}, interrupted=True), tmp_path)
+    draw_charts(make_results(seconds, backends=backends, family="unheard-of", memory=[]), tmp_path)
+    draw_charts(make_results(samples=[], models=[], ended="interrupted"), tmp_path)
+    draw_charts(make_results(samples=[], ended="interrupted"), tmp_path)
 
 
 def test_a_folder_that_cannot_be_is_refused(tmp_path: Path):

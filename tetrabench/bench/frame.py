@@ -1,25 +1,80 @@
-"""Results as a table for analysis."""
+"""Results as tables for analysis in pandas."""
 
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, get_type_hints
 
 import msgspec
 
-from tetrabench.bench.record import Sample, read_results
+from tetrabench.bench.record import Results, Sample, read_results
+from tetrabench.bench.statistics import Row, summary
 
 if TYPE_CHECKING:
     import pandas
 
+_TYPES = {bool: "boolean", int: "Int64", float: "float64", str: "string", dict: "object"}
+"""Of columns: whole numbers and truths may be missing too (<NA>), other numbers then are NaN."""
+
 
 def load_results(path: str | Path) -> "pandas.DataFrame":
-    """A row for each sample of a results file, with the columns of `record.Sample`.
+    """A row for each sample of a results file.
 
-    Missing numbers are NaN; `figures` is a dict.
+    Columns are those of `record.Sample`, and what the file says elsewhere: `scenario` and `parallel` of the task,
+    `against` and `control` of the backend, the sizes of the model as `model_tetras`, `model_points`, ..., the counts of
+    the task as `option_sweeps`, ... (missing where a task has no such count). Times are in seconds, for all `repeats` of
+    a sample together. Words are strings, counts Int64, times float64 (NaN where missing), `figures` is a dict.
 
     Raises:
         InputError: no such file, not our JSON, or another version's schema.
     """
+    results = read_results(Path(path))
+    return _frame(results, Sample, results.samples)
+
+
+def load_summary(path: str | Path) -> "pandas.DataFrame":
+    """A row for each cell of a results file: what its samples say.
+
+    Columns are those of `statistics.Row` (seconds of one run, ratio, low, high, verdict, ...), and the same columns
+    of the model, the task and the backend as in `load_results`.
+
+    Raises:
+        InputError: no such file, not our JSON, or another version's schema.
+    """
+    results = read_results(Path(path))
+    return _frame(results, Row, summary(results))
+
+
+def _frame(results: Results, kind: type[msgspec.Struct], records: Iterable[Any]) -> "pandas.DataFrame":
     import pandas
 
-    samples = read_results(Path(path)).samples
-    return pandas.DataFrame([msgspec.structs.asdict(sample) for sample in samples], columns=Sample.__struct_fields__)
+    models = {model.name: {f"model_{thing}": n for thing, n in model.size.items()} for model in results.models}
+    tasks = {
+        task.name: {"scenario": task.scenario, "parallel": task.parallel}
+        | {f"option_{name}": count for name, count in task.options.items()}
+        for task in results.tasks
+    }
+    backends = {one.name: {"against": one.against, "control": one.control} for one in results.backends}
+    rows = [
+        msgspec.structs.asdict(one)
+        | backends.get(one.backend, {})
+        | tasks.get(one.task, {})
+        | models.get(one.model, {})
+        for one in records
+    ]
+    columns = {
+        name: _TYPES[_plain(hint)] for name, hint in get_type_hints(kind).items() if name in kind.__struct_fields__
+    }
+    columns |= {"scenario": "string", "parallel": "boolean", "against": "string", "control": "boolean"}
+    columns |= {name: "Int64" for part in (*models.values(), *_counts(tasks)) for name in part}
+    return pandas.DataFrame(rows, columns=list(columns)).astype(columns)
+
+
+def _counts(tasks: Mapping[str, Mapping[str, Any]]) -> list[list[str]]:
+    return [[name for name in task if name.startswith("option_")] for task in tasks.values()]
+
+
+def _plain(hint: Any) -> type:
+    """int of int | None, dict of dict[str, float]."""
+    inner = next((one for one in getattr(hint, "__args__", ()) if one is not type(None)), hint)
+    plain: type = hint.__origin__ if hasattr(hint, "__origin__") else inner
+    return plain

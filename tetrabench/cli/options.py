@@ -100,11 +100,12 @@ repair_option = click.option(
 format_option = click.option(
     "--format",
     "form",
-    type=click.Choice(["table", "md"]),
+    type=click.Choice(["table", "md", "json", "csv", "github", "pyperf"]),  # those of report.formats
     default="table",
     show_default=True,
-    help="Of the table.",
+    help="For people (github: with annotations of a workflow), or for programs.",
 )
+intervals_option = click.option("--intervals", is_flag=True, help="Tables of intervals rather than of ratios.")
 charts_option = click.option(
     "--charts",
     metavar="DIR",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,7 @@ from tetrabench.cli.options import (
     check_folder,
     family_option,
     format_option,
+    intervals_option,
     read_seconds,
     what_options,
 )
@@ -40,6 +42,7 @@ if TYPE_CHECKING:
 @charts_option
 @chart_format_option
 @format_option
+@intervals_option
 @click.pass_context
 def run(
     ctx: click.Context,
@@ -50,6 +53,7 @@ def run(
     charts: Path | None,
     chart_format: str,
     form: str,
+    intervals: bool,
     thesis: bool,
     quick: bool,
     rigorous: bool,
@@ -70,7 +74,7 @@ def run(
         return
     with RunProgress() as progress:
         results = run_benchmark(plan, progress=progress, output=output, resume=resume)
-    present(results, form, charts, chart_format)
+    present(results, form, charts, chart_format, intervals=intervals)
     if output:
         say(f"wrote {output}")
     if results.ended:
@@ -111,11 +115,12 @@ def check(ctx: click.Context, /, **choices: Any) -> None:
 @charts_option
 @chart_format_option
 @format_option
-def show(results: Path, charts: Path | None, chart_format: str, form: str) -> None:
-    """Show the table of a run that was saved, and draw its charts."""
+@intervals_option
+def show(results: Path, charts: Path | None, chart_format: str, form: str, intervals: bool) -> None:
+    """Show the tables of a run that was saved, or their figures for other programs, and draw its charts."""
     from tetrabench.bench import read_results
 
-    present(read_results(results), form, charts, chart_format)
+    present(read_results(results), form, charts, chart_format, intervals=intervals)
 
 
 @click.command("list")
@@ -140,12 +145,17 @@ def list_(what: str, family: str) -> None:
         tabulate(["model", "what it is"], list(registry.family(family).models.items()))
 
 
-def present(results: Results, form: str, charts: Path | None, chart_format: str) -> None:
-    """Print the table; draw the charts if they are wanted, and name their files."""
+def present(results: Results, form: str, charts: Path | None, chart_format: str, *, intervals: bool = False) -> None:
+    """Print the tables, or what another form says; draw the charts if they are wanted, and name their files."""
+    from tetrabench.report.formats import FORMATS
     from tetrabench.report.table import as_markdown, as_text
 
-    colour = sys.stdout.isatty()
-    click.echo(as_markdown(results) if form == "md" else as_text(results, colour=colour), nl=False, color=colour)
+    colour = form == "table" and sys.stdout.isatty()
+    forms = FORMATS | {
+        "table": partial(as_text, colour=colour, intervals=intervals),
+        "md": partial(as_markdown, intervals=intervals),
+    }
+    click.echo(forms[form](results), nl=False, color=colour)
     if charts:
         from tetrabench.report.chart import draw_charts
 

@@ -1,43 +1,49 @@
-"""The charts of a run, after the source's figures 10 and 11: time by scenario, and memory.
-
-Bars that would dwarf all others are cut, marked and labelled with their value.
-"""
+"""The charts of a run: time by task and memory, after the source's figures 10 and 11, and growth over sizes."""
 
 import textwrap
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch, Polygon
-from matplotlib.ticker import MaxNLocator
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
 from tetrabench.bench.record import Results
-from tetrabench.bench.statistics import ALIKE, Row, summary
+from tetrabench.bench.statistics import ALIKE, CLEAR, Row, summary
 from tetrabench.errors import InputError
-from tetrabench.report.memory import bytes_per_item, peak_bytes
+from tetrabench.report.bars import Bar, draw_bars, find_top
+from tetrabench.report.cells import ratio_of, word_of
+from tetrabench.report.memory import memory_of
+from tetrabench.report.notes import about_machine
+from tetrabench.report.parts import Part, make_parts
 from tetrabench.report.style import EDGE, Style, make_styles
-from tetrabench.report.table import PROVISIONAL, WORDS, about_machine, about_model
-from tetrabench.report.units import duration, singular, times
+from tetrabench.report.units import duration
 
 WIDTH = 11.0  # inches
 PANEL = 6  # groups of bars side by side
 PANEL_HEIGHT = 2.7  # inches
-CUT = 12.0  # a bar more than so many times as high as the reference's dwarfs the others
-QUIET, ALARM = "#777777", "#a00000"
-Bars = Mapping[str, float | str]  # contestant -> height, or the word that stands where no bar may
+CURVES = 4  # panels of curves side by side
 
 
 def draw_charts(results: Results, folder: Path, suffix: str = ".png") -> list[Path]:
-    """Write both charts of a run, `times` and `memory`, in the format of the suffix; their paths.
+    """Write the charts of a run in the format of the suffix; their paths.
+
+    `times` and `memory`, for each model (and each reference) where there are several; `growth` over several sizes.
 
     Raises:
         InputError: the folder cannot be written to.
     """
     rows = summary(results)
-    charts = {"times": draw_times(results, rows), "memory": draw_memory(results, rows)}
-    paths = [folder / f"{name}{suffix}" for name in charts]
+    charts: dict[str, Figure] = {}
+    for part in make_parts(results, rows):
+        charts["-".join(filter(None, ("times", part.name)))] = draw_times(part)
+        if memory_of(part):
+            charts["-".join(filter(None, ("memory", part.name)))] = draw_memory(part)
+    if len({next(iter(model.size.values()), 0) for model in results.models}) > 1:
+        charts["growth"] = draw_growth(results, rows)
+    paths = [folder / f"{name.replace('/', '-').replace(' ', '-')}{suffix}" for name in charts]
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for path, figure in zip(paths, charts.values(), strict=True):
@@ -47,121 +53,152 @@ def draw_charts(results: Results, folder: Path, suffix: str = ".png") -> list[Pa
     return paths
 
 
-def draw_times(results: Results, rows: Sequence[Row]) -> Figure:
-    """A group of bars a scenario: CPU time as a multiple of the reference's, which stands below it."""
-    styles = make_styles(results)
-    groups: dict[str, dict[str, float | str]] = {}
-    labels: dict[str, str] = {}
-    for row in rows:
-        groups.setdefault(row.scenario, {})[row.backend] = _height(row)
-        if row.backend == results.reference and row.cpu_s is not None:
-            labels[row.scenario] = f"{row.scenario}\n{row.backend}: {duration(row.cpu_s)}"
-    scenarios = list(groups)
-    parts = [scenarios[start : start + PANEL] for start in range(0, len(scenarios), PANEL)] or [[]]
-    figure, panels = _make_figure(results, f"CPU time, compared with {results.reference}", len(parts), 1)
-    top = find_top(list(groups.values()), 1.0)
-    for axes, part in zip(panels, parts, strict=True):
-        # within this band nothing is ranked
-        axes.axhspan(1 / ALIKE, ALIKE, color="#e9e9e9", zorder=0, linewidth=0)
-        axes.axhline(1.0, color=EDGE, linewidth=0.8, zorder=1)
-        draw_bars(axes, [groups[name] for name in part], styles, top=top, label=times)
-        axes.set_xticks(range(len(part)), [labels.get(name, name) for name in part])
-        axes.set_xlim(-0.5, max(1, min(PANEL, len(scenarios))) - 0.5)
-        axes.set_ylabel(f"CPU time, multiple of {results.reference}'s")
-    return figure
-
-
-def draw_memory(results: Results, rows: Sequence[Row]) -> Figure:
-    """Two panels: the structure for each item of the model, and the high-water mark of the process."""
-    styles = make_styles(results)
-    item = singular(next(iter(results.model_size), "items"))
-    peaks = {name: size / 1e6 for name, size in peak_bytes(list(rows)).items()}
-    panels = {
-        f"fresh structure, bytes a {item}": bytes_per_item(results),
-        "peak of the whole process, MB": peaks,
+def draw_times(part: Part) -> Figure:
+    """A group of bars a task: time as a multiple of the reference's, which stands below it."""
+    styles = _styles_of(part)
+    groups = {
+        task: {
+            name: _time_bar(row, part.controls.get(task))
+            for name in styles
+            if (row := part.rows.get((task, name))) is not None
+        }
+        for task in part.tasks
     }
-    figure, axes = _make_figure(results, "memory", 1, 2)
-    for panel, (title, sizes) in zip(axes, panels.items(), strict=True):
-        groups = [{name: sizes.get(name, "no figure")} for name in styles]
-        mark = sizes.get(results.reference) or min(sizes.values(), default=1.0)
-        top = find_top(groups, mark)
-        draw_bars(panel, groups, styles, top=top, label=lambda size: f"{size:,.0f}", label_all=True)
-        panel.set_xticks(range(len(styles)), list(styles))
-        panel.set_ylabel(title)
+    tasks = part.tasks
+    pieces = [tasks[start : start + PANEL] for start in range(0, len(tasks), PANEL)] or [[]]
+    figure, panels = _make_figure(
+        f"{part.model.name}: time, compared with {part.reference}", _times_caption(part), styles, len(pieces), 1
+    )
+    band = ALIKE if part.has_intervals else CLEAR
+    top = find_top(list(groups.values()), 1.0)
+    for axes, piece in zip(panels, pieces, strict=True):
+        axes.axhspan(1 / band, band, color="#e8e8e8", zorder=0, linewidth=0)
+        axes.axhline(1.0, color=EDGE, linewidth=0.8, zorder=1)
+        draw_bars(axes, [groups[task] for task in piece], styles, top=top)
+        axes.set_xticks(range(len(piece)), [_label(part, task) for task in piece])
+        axes.set_xlim(-0.5, max(1, min(PANEL, len(tasks))) - 0.5)
+        axes.set_ylabel(f"time, multiple of {part.reference}'s")
     return figure
 
 
-def draw_bars(
-    axes: Axes,
-    groups: Sequence[Bars],
-    styles: Mapping[str, Style],
-    *,
-    top: float,
-    label: Callable[[float], str],
-    label_all: bool = False,
-) -> None:
-    """Groups of bars at 0, 1, 2, ...; higher ones than `top` are cut there."""
-    for place, bars in enumerate(groups):
-        width = min(0.86 / len(bars), 0.6)
-        for step, (name, height) in enumerate(bars.items()):
-            x = place + (step - (len(bars) - 1) / 2) * width
-            if isinstance(height, str):
-                colour = QUIET if height not in ("wrong", "crashed", "failed") else ALARM
-                word = axes.text(x, 0.03 * top, height, rotation=90, fontsize=8, color=colour)
-                word.set(ha="center", va="bottom", bbox={"facecolor": "white", "linewidth": 0, "pad": 1})
-                continue
-            shown = min(height, top)
-            axes.bar(x, shown, 0.92 * width, zorder=2, **styles[name].paint)
-            if height > top:
-                _draw_break(axes, x, 0.9 * top, width, 0.03 * top)
-            if height > top or label_all:
-                turned = 0 if label_all else 90  # neighbours that are cut have no room for labels side by side
-                word = axes.text(x, shown + 0.02 * top, label(height), rotation=turned, fontsize=8)
-                word.set(ha="center", va="bottom")
-    axes.set_ylim(0.0, (1.09 if label_all else 1.25) * top)
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.tick_params(axis="x", length=0)
-    axes.yaxis.set_major_locator(MaxNLocator(5))
-    axes.grid(axis="y", color="#dddddd", linewidth=0.6, zorder=0)
-    axes.set_axisbelow(True)
+def draw_memory(part: Part) -> Figure:
+    """A panel for each kind of memory that is known, all of one scale."""
+    styles = _styles_of(part)
+    titles = {"structure": "fresh structure", "retained": "retained by its process", "peak": "peak while it is built"}
+    kinds = memory_of(part)
+    caption = f"{part.title}. {about_machine(part.results)}. Bars with a gap are cut, their value above them."
+    figure, panels = _make_figure(f"{part.model.name}: memory", caption, styles, 1, len(kinds))
+    groups = {
+        kind: {name: _memory_bar(sizes.get(name, "no figure")) for name in styles} for kind, sizes in kinds.items()
+    }
+    known = [bar.height for bars in groups.values() for bar in bars.values() if bar.height is not None]
+    mark = groups.get("structure", {}).get(part.reference, Bar(None)).height or min(known)
+    top = find_top(list(groups.values()), mark)
+    for axes, (kind, bars) in zip(panels, groups.items(), strict=True):
+        draw_bars(axes, [bars], styles, top=top)
+        width = min(0.86 / max(1, len(bars)), 0.6)
+        axes.set_xticks([(step - (len(bars) - 1) / 2) * width for step in range(len(bars))], list(bars))
+        axes.set_title(titles[kind], fontsize=10)
+    panels[0].set_ylabel(f"bytes a {part.item}")
+    return figure
 
 
-def find_top(groups: Sequence[Bars], mark: float) -> float:
-    """Where bars are cut: a little above the highest of those that do not dwarf `mark`."""
-    heights = [height for bars in groups for height in bars.values() if isinstance(height, float)]
-    return 1.15 * max([mark, *(height for height in heights if height <= CUT * mark)])
+def draw_growth(results: Results, rows: Sequence[Row]) -> Figure:
+    """A panel for each task: time of an item over the size of the model, both logarithmic, a line a contestant."""
+    styles = make_styles(results)
+    sizes = {model.name: next(iter(model.size.values()), 0) for model in results.models}
+    things = next((name for model in results.models for name in model.size), "items")
+    tasks = [task.name for task in results.tasks if any(row.task == task.name for row in rows)]
+    height = max(1, -(-len(tasks) // CURVES))
+    models = ", ".join(f"{name}: {size:,}" for name, size in sizes.items())
+    caption = (
+        f"{models} {things}. {about_machine(results)}. A level line is linear growth: each item takes the same time whatever "
+        "the size. Medians of all samples; no figure where a cell went wrong."
+    )
+    title = "Time of an item over the size of the model"
+    figure, panels = _make_figure(title, caption, styles, height, min(CURVES, max(1, len(tasks))), lines=True)
+    for axes, task in zip(panels, tasks, strict=False):
+        for name, style in styles.items():
+            points = sorted(
+                (sizes[row.model], row.ns_per_item)
+                for row in rows
+                if (row.task, row.backend) == (task, name) and row.ns_per_item and sizes[row.model]
+            )
+            if points:
+                axes.plot(*zip(*points, strict=True), **style.line, markersize=5, linewidth=1.4, fillstyle="none")
+        axes.set(title=task, xscale="log", yscale="log", xlabel=things, ylabel="ns an item")
+        axes.grid(color="#dddddd", linewidth=0.6)
+        axes.spines[["top", "right"]].set_visible(False)
+    for axes in panels[len(tasks) :]:
+        axes.set_axis_off()
+    return figure
 
 
-def _height(row: Row) -> float | str:
-    """The height of a bar, or the word that stands in its place."""
-    if row.verdict in ("reference", "faster", "slower", "about the same") and row.ratio is not None:
-        return row.ratio
-    return WORDS.get(row.verdict, row.verdict)
+def _styles_of(part: Part) -> dict[str, Style]:
+    names = {backend.name for backend in part.backends}
+    return {name: style for name, style in make_styles(part.results).items() if name in names}
 
 
-def _draw_break(axes: Axes, x: float, y: float, width: float, height: float) -> None:
-    """A slanted gap through a bar, with an edge above and below."""
-    left, right, slant = x - 0.56 * width, x + 0.56 * width, 0.8 * height
-    corners = [(left, y), (right, y + slant), (right, y + slant + height), (left, y + height)]
-    axes.add_patch(Polygon(corners, facecolor="white", edgecolor="none", zorder=3))
-    for low, high in (corners[:2], corners[:1:-1]):
-        axes.plot(*zip(low, high, strict=True), color=EDGE, linewidth=0.9, zorder=4)
+def _time_bar(row: Row, control: Row | None) -> Bar:
+    if row.verdict == "reference":
+        return Bar(1.0, control=_ends(control))
+    if row.ratio is None or row.verdict not in ("faster", "slower", "same", "about", "inconclusive"):
+        return Bar(None, label=word_of(row))
+    is_solid = row.verdict not in ("about", "inconclusive")
+    return Bar(row.ratio, _ends(row), label=ratio_of(row), is_solid=is_solid)
 
 
-def _make_figure(results: Results, title: str, rows: int, columns: int) -> tuple[Figure, list[Axes]]:
+def _ends(row: Row | None) -> tuple[float, float] | None:
+    if row is None or row.low is None or row.high is None:
+        return None
+    return row.low, row.high
+
+
+def _memory_bar(size: float | str) -> Bar:
+    if isinstance(size, str):
+        return Bar(None, label=size)
+    return Bar(size, label=f"{size:,.0f}", is_labelled=True)
+
+
+def _label(part: Part, task: str) -> str:
+    """A task, and what the reference takes for it."""
+    row = part.rows.get((task, part.reference))
+    seconds = f"\n{part.reference}: {duration(row.seconds)}" if row is not None and row.seconds is not None else ""
+    return task.replace(" ", "\n") + seconds
+
+
+def _times_caption(part: Part) -> str:
+    wall = list(dict.fromkeys(row.task for row in part.rows.values() if row.clock == "wall"))
+    clock = f"CPU time, in {', '.join(wall)} wall time" if wall else "CPU time"
+    if part.has_intervals:
+        ranks = (
+            "Whiskers: intervals that hold with 95 % for all of a scenario together; the grey one is a second copy of "
+            f"{part.reference}. An interval within the grey band means the same, one that holds 1 ranks nothing: a hollow bar."
+        )
+    else:
+        spans = any(row.low != row.high for row in part.rows.values())
+        ranks = (
+            "Launches are too few for intervals"
+            + ("; whiskers show their range. " if spans else ". ")
+            + "Within the grey band nothing is ranked: hollow bars are a hint."
+        )
+    return f"{part.title}. {about_machine(part.results)}. {clock}. {ranks} Bars with a gap are cut, their value above them."
+
+
+def _make_figure(
+    title: str, caption: str, styles: Mapping[str, Style], rows: int, columns: int, *, lines: bool = False
+) -> tuple[Figure, list[Axes]]:
     """A figure with its title, its legend and its caption, and room for the panels."""
-    columns_of_legend = _legend_columns(make_styles(results))
-    above, foot = 0.45 + 0.19 * max(map(len, columns_of_legend), default=0), 0.45  # inches
-    height = PANEL_HEIGHT * rows
+    columns_of_legend = _legend_columns(styles)
+    filled = textwrap.fill(caption.replace(" %", "\N{NO-BREAK SPACE}%"), 165)
+    above = 0.45 + 0.19 * max(map(len, columns_of_legend), default=0)  # inches
+    height, foot = PANEL_HEIGHT * rows, 0.15 + 0.15 * (1 + filled.count("\n"))
     figure = Figure(figsize=(WIDTH, above + height + foot), layout="constrained")
     parts: Any = figure.subfigures(3, 1, height_ratios=(above, height, foot))
     heading, body, bottom = parts
-    heading.suptitle(f"{results.model}: {title}", x=0.01, ha="left", fontsize=13, fontweight="bold")
-    _add_legend(heading, columns_of_legend, top=1 - 0.3 / above)
-    caption = f"{about_model(results)}. {about_machine(results)}."
-    caption += f" {PROVISIONAL}" if results.provisional else ""
-    caption += " Bars with a gap are cut, their value above them; within the grey band nothing is ranked."
-    bottom.text(0.01, 0.9, textwrap.fill(caption, 165), ha="left", va="top", fontsize=8, color="#444444")
+    heading.suptitle(title, x=0.01, ha="left", fontsize=13, fontweight="bold")
+    _add_legend(heading, columns_of_legend, top=1 - 0.3 / above, lines=lines)
+    bottom.text(0.01, 0.9, filled, ha="left", va="top", fontsize=8, color="#444444")
     return figure, list(body.subplots(rows, columns, squeeze=False).flat)
 
 
@@ -171,13 +208,15 @@ def _legend_columns(styles: Mapping[str, Style]) -> list[list[tuple[str, Style]]
     return [[(name, style) for name, style in styles.items() if style.layout == layout] for layout in layouts]
 
 
-def _add_legend(figure: Any, columns: list[list[tuple[str, Style]]], top: float) -> None:
+def _add_legend(figure: Any, columns: list[list[tuple[str, Style]]], top: float, *, lines: bool) -> None:
     longest = max(map(len, columns), default=0)
-    handles, labels = [], []
+    handles: list[Patch | Line2D] = []
+    labels = []
     for column in columns:
         gap = longest - len(column)
-        handles += [Patch(**style.paint) for _, style in column] + [Patch(alpha=0.0)] * gap
+        handles += [Line2D([], [], fillstyle="none", **one.line) if lines else Patch(**one.paint) for _, one in column]
+        handles += [Patch(alpha=0.0)] * gap
         labels += [f"{name}: {style.title}" for name, style in column] + [""] * gap
     if handles:
         look: Any = {"ncols": len(columns), "loc": "upper left", "frameon": False, "fontsize": 9}
-        figure.legend(handles, labels, bbox_to_anchor=(0.0, top), **look)
+        figure.legend(handles, labels, bbox_to_anchor=(0.0, top), **({"handlelength": 3} if lines else {}), **look)

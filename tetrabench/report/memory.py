@@ -1,24 +1,50 @@
-"""Memory of each contestant in a run, in the two ways that can be compared."""
+"""Memory of each contestant, for each item of the model."""
 
-from tetrabench.bench.record import Results
-from tetrabench.bench.statistics import Row
+from collections.abc import Callable
+
+from tetrabench.bench.record import Memory
+from tetrabench.report.parts import Part
+
+Sizes = dict[str, float | str]  # contestant -> bytes an item, or the word that stands where no figure may
+
+_ENDS = {"oom": "no memory", "timeout": "timed out", "crash": "crashed", "unsupported": "cannot", "skipped": "skipped"}
 
 
-def bytes_per_item(results: Results) -> dict[str, float]:
-    """Used bytes of the fresh structure for each item of the model (what it counts first), by contestant."""
-    number = next(iter(results.model_size.values()), 0)
-    used = {one.name: sum(used for used, _ in one.structure.values()) for one in results.backends}
-    return {name: size / number for name, size in used.items() if size and number}
+def memory_of(part: Part) -> dict[str, Sizes]:
+    """Bytes an item by kind, "structure", "retained" and "peak" as far as they are known, and by contestant.
 
-
-def peak_bytes(rows: list[Row]) -> dict[str, float]:
-    """High-water mark of the process over the scenarios that all contestants ended well, by contestant.
-
-    A contestant that broke off in the scenario that needs most would look the smallest otherwise.
+    Without a memory pass the structure is that which the contestant said it had when the run began, which holds for
+    the first model alone.
     """
-    complete = {row.scenario for row in rows} - {row.scenario for row in rows if row.peak_bytes is None}
-    peaks: dict[str, float] = {}
-    for row in rows:
-        if row.scenario in complete and row.peak_bytes is not None:
-            peaks[row.backend] = max(peaks.get(row.backend, 0.0), row.peak_bytes)
-    return peaks
+    measured = memories(part)
+    kinds: dict[str, Callable[[Memory], int | None]] = {
+        "structure": lambda one: one.structure_bytes or None,
+        "retained": lambda one: one.retained_bytes,
+        "peak": lambda one: one.peak_bytes,
+    }
+    items = next(iter(part.model.size.values()), 0)
+    sizes = {kind: _sizes(measured, bytes_of, items) for kind, bytes_of in kinds.items()}
+    return {kind: known for kind, known in sizes.items() if any(isinstance(size, float) for size in known.values())}
+
+
+def memories(part: Part) -> dict[str, Memory]:
+    """What is known of the memory of each contestant."""
+    model, is_first = part.model.name, part.model == part.results.models[0]
+    known = {
+        backend.name: Memory(model=model, backend=backend.name, structure=backend.structure)
+        for backend in part.backends
+        if backend.structure and is_first
+    }
+    names = {backend.name for backend in part.backends}
+    return known | {one.backend: one for one in part.results.memory if one.model == model and one.backend in names}
+
+
+def _sizes(measured: dict[str, Memory], bytes_of: Callable[[Memory], int | None], items: int) -> Sizes:
+    sizes: Sizes = {}
+    for name, memory in measured.items():
+        size = bytes_of(memory)
+        if memory.status != "ok":
+            sizes[name] = _ENDS.get(memory.status, "failed")
+        elif size is not None and items:
+            sizes[name] = size / items
+    return sizes
