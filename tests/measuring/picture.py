@@ -51,7 +51,7 @@ def _ratios(axes: Axes, title: str, found: list[Comparison]) -> None:
     axes.set(yscale="log", ylim=(1 / WIDEST, WIDEST), xticks=[], xlabel=f"{wrong} of {len(found)}\nwrong")
     axes.set_yticks([0.5, 0.7, 0.9, 1.1, 1.4, 2.0], ["0.5", "0.7", "0.9", "1.1", "1.4", "2"])
     axes.minorticks_off()
-    axes.set_title(title, fontsize=9)
+    axes.set_title(title, fontsize=8)
 
 
 def _inside(ratio: float) -> float:
