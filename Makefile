@@ -10,7 +10,7 @@ BASE ?= $(shell git rev-parse --quiet --verify origin/main >/dev/null && echo or
 GATE = --model nozzle --tets 30k --backend v3y,v4 --scenario alfa,flow
 FORMAT ?= table
 
-.PHONY: gate gate-selftest run test test-all lint types bench-native bench-peers schema fuzz results thesis clean help
+.PHONY: run test test-all lint types bench-native bench-peers gate gate-selftest measuring schema fuzz results thesis clean help
 
 help:            ## list the targets
 	@grep -E '^[a-z-]+: .*##|^[a-z-]+: *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 16
@@ -51,6 +51,9 @@ bench-peers: $(VENV)/peers  ## our bulk operations beside packages from PyPI (a 
 	@mkdir -p $(OUT)
 	$(BIN)/python tests/peers/bench_peers.py -o $(OUT)/peers.json
 
+measuring: $(VENV)/measuring  ## is the harness to be believed? beside pyperf, pytest-benchmark, hyperfine (hours; needs hyperfine)
+	$(BIN)/python -m tests.measuring
+
 schema: $(BIN)/tetrabench  ## the published schema of results files, made anew from their records
 	$(BIN)/python -m tetrabench.bench.schema > docs/results-1.schema.json
 
@@ -85,6 +88,11 @@ $(VENV)/developing: $(VENV)/bin/python pyproject.toml
 $(VENV)/peers: $(VENV)/developing pyproject.toml
 	@echo 'installing the packages that tetrabench is compared with'
 	@$(BIN)/python -m pip install -qq --no-build-isolation -e '.[peers]'
+	@touch $(BIN)/tetrabench $(VENV)/developing $@
+
+$(VENV)/measuring: $(VENV)/developing pyproject.toml
+	@echo 'installing the tools that tetrabench is compared with'
+	@$(BIN)/python -m pip install -qq --no-build-isolation -e '.[measuring]'
 	@touch $(BIN)/tetrabench $(VENV)/developing $@
 
 clean:           ## remove the environment and everything built
