@@ -114,7 +114,7 @@ def run_benchmark(
         command=plan.command,
         profile=plan.profile,
         family=plan.family,
-        models=[model_of(name, path) for name, path in plan.models.items()],
+        models=[model_of(name, path, plan.facts.get(name)) for name, path in plan.models.items()],
         tasks=list(plan.tasks),
         backends=list(plan.backends),
         reference=plan.reference,
