@@ -153,7 +153,8 @@ def misbehave(name: str) -> None:
                 bytearray(limit)  # more than is left of it
         case "closing":
             if not sys.stdout.closed:
-                sys.stdout.close()  # with the file below it
+                sys.stdout.close()
+                os.close(1)
         case "deaf":
             os.closerange(3, 100)
             time.sleep(600)
