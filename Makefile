@@ -5,8 +5,12 @@ BIN = $(VENV)/bin
 INSTALLED = build/installed
 RUN_TETS ?= 120k
 OUT ?= out
+# what `make gate` compares with: where this branch left it
+BASE ?= $(shell git rev-parse --quiet --verify origin/main >/dev/null && echo origin/main || echo HEAD~1)
+GATE = --model nozzle --tets 30k --backend v3y,v4 --scenario alfa,flow
+FORMAT ?= table
 
-.PHONY: run test test-all lint types bench-native bench-peers schema fuzz results thesis clean help
+.PHONY: run test test-all lint types bench-native bench-peers gate gate-selftest measuring schema fuzz results thesis clean help
 
 help:            ## list the targets
 	@grep -E '^[a-z-]+: .*##|^[a-z-]+: *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 16
@@ -33,12 +37,22 @@ types: $(VENV)/developing  ## types and the direction of imports, on the package
 	cd $(INSTALLED) && PYTHONPATH=. ../../$(BIN)/lint-imports --config ../../pyproject.toml
 	cd $(INSTALLED) && ../../$(BIN)/mypy --config-file ../../pyproject.toml -p tetrabench
 
+gate: $(BIN)/tetrabench  ## is the working tree slower than BASE (origin/main, else HEAD~1)? some minutes
+	@mkdir -p $(OUT)
+	@$(BIN)/tetrabench gate --base "$$(git merge-base HEAD $(BASE) || echo $(BASE))" $(GATE) --format $(FORMAT) -o $(OUT)/gate.json
+
+gate-selftest: $(BIN)/tetrabench  ## the gate on trial: identical code passes, an injected slowdown is caught (some minutes)
+	$(BIN)/python tests/bench/gate_selftest.py
+
 bench-native: $(VENV)/developing  ## our kernels beside C on the same arrays (needs gcc)
 	$(BIN)/python tests/native/bench_native.py
 
 bench-peers: $(VENV)/peers  ## our bulk operations beside packages from PyPI (a quarter of an hour; gmsh needs some system libraries)
 	@mkdir -p $(OUT)
 	$(BIN)/python tests/peers/bench_peers.py -o $(OUT)/peers.json
+
+measuring: $(VENV)/measuring  ## is the harness to be believed? beside pyperf, pytest-benchmark, hyperfine (hours; needs hyperfine)
+	$(BIN)/python -m tests.measuring
 
 schema: $(BIN)/tetrabench  ## the published schema of results files, made anew from their records
 	$(BIN)/python -m tetrabench.bench.schema > docs/results-1.schema.json
@@ -74,6 +88,11 @@ $(VENV)/developing: $(VENV)/bin/python pyproject.toml
 $(VENV)/peers: $(VENV)/developing pyproject.toml
 	@echo 'installing the packages that tetrabench is compared with'
 	@$(BIN)/python -m pip install -qq --no-build-isolation -e '.[peers]'
+	@touch $(BIN)/tetrabench $(VENV)/developing $@
+
+$(VENV)/measuring: $(VENV)/developing pyproject.toml
+	@echo 'installing the tools that tetrabench is compared with'
+	@$(BIN)/python -m pip install -qq --no-build-isolation -e '.[measuring]'
 	@touch $(BIN)/tetrabench $(VENV)/developing $@
 
 clean:           ## remove the environment and everything built

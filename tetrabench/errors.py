@@ -29,6 +29,12 @@ class WrongAnswerError(TetrabenchError):
     exit_code = 3
 
 
+class NotComparableError(TetrabenchError):
+    """Two runs, or two revisions, that say nothing about each other."""
+
+    exit_code = 5
+
+
 class MemoryRefusedError(InputError):
     """What needs more memory than there is, refused before the memory is gone."""
 

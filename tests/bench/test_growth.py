@@ -5,8 +5,8 @@ import pytest
 
 from tests.report.made import change, make_results, make_sweep, slow
 from tetrabench.bench.growth import Growth, growth
+from tetrabench.bench.pairs import FEWEST
 from tetrabench.bench.record import Results
-from tetrabench.bench.statistics import fewest_launches
 
 SECONDS = {"alfa": {"v3y": 0.1, "v4": 0.2}, "delete": {"v3y": 0.1, "v4": 0.1}}
 EXPONENTS = {"v3y": 1.0, "v4": 1.3}
@@ -53,13 +53,13 @@ def test_each_launch_is_one_exponent_and_their_spread_the_interval():
     assert found.exponent == pytest.approx((slopes[3] + slopes[4]) / 2)
     assert (found.low, found.high) == (pytest.approx(slopes[0]), pytest.approx(slopes[-1]))
     assert found.is_whole
-    assert found.launches >= fewest_launches(2)
 
 
-def test_too_few_launches_give_a_range_and_say_so():
-    found = of(sweep(launches=3), "v4")
+@pytest.mark.parametrize("launches", [3, FEWEST - 1, FEWEST])
+def test_too_few_launches_give_a_range_and_say_so(launches: int):
+    found = of(sweep(launches=launches), "v4")
     assert found.exponent == pytest.approx(1.3)
-    assert not found.is_whole
+    assert found.is_whole == (launches == FEWEST)
 
 
 def test_a_launch_with_too_few_sizes_is_no_part_of_it():

@@ -51,6 +51,7 @@ def make_results(
         "reference": REFERENCE,
         "effort": Effort(launches=launches, rounds=rounds, hopeless_rounds=3),
         "seed": 0,
+        "titles": [make_backend(name).title for name in SECONDS["init"]],
         "started": "2011-05-01T12:00:00+00:00",
         "elapsed_s": 1000.0,
         "environment": {"processor": "Intel Core2 T6400", "cores": 2, "system": "Linux", "python": "3.11.7"},
@@ -85,7 +86,7 @@ def make_sweep(seconds: Seconds, exponents: Mapping[str, float], sizes: Sequence
         part: [one for run in runs for one in getattr(run, part)]
         for part in ("models", "launches", "memory", "samples")
     }
-    return msgspec.structs.replace(runs[0], **joined)
+    return msgspec.structs.replace(runs[0], **joined, elapsed_s=sum(run.elapsed_s for run in runs))
 
 
 def make_backend(name: str, **changes: Any) -> Backend:

@@ -112,6 +112,11 @@ def test_whiskers_are_the_intervals_and_the_grey_one_the_controls():
     assert whiskers(axes) == []
 
 
+def test_whiskers_stay_in_the_picture():
+    (axes,) = panels_of_times(make_results({"flow": {"v3y": 1.0, "v4": 11.0}}, wobble=1.0))
+    assert max(high for _, high in whiskers(axes)) <= axes.get_ylim()[1]
+
+
 def test_what_is_not_ranked_is_hollow():
     results = make_results({"flow": {"v3y": 1.0, "v4": 2.0, "v5": 1.0, "v3": 1.06}}, wobble=0.1)
     (axes,) = panels_of_times(results)

@@ -138,6 +138,14 @@ def test_the_control_is_no_column_but_a_note():
     assert "a second copy of v3y took 0.99 to 1.01 times as long" in notes_of(make_results())
 
 
+def test_a_control_that_went_wrong_is_named_too():
+    results = change(make_results(TWO), "alfa", "v3y control", status="crash", reason="signal 11")
+    assert "v3y control, crashed in alfa: signal 11" in notes_of(results)
+    assert "All 2 contestants gave the same answers" in notes_of(results)
+    results = change(make_results(TWO), "alfa", "v3y control", status="wrong-result", reason="it says 1")
+    assert "WRONG ANSWERS in alfa" in notes_of(results)
+
+
 def test_says_how_wide_the_intervals_are():
     results = make_results({"alfa": {"v3y": 1.0, "v4": 2.0, "v5": 2.0}}, wobble=0.1)
     assert re.search(r"half of them within ±10 %, the widest ±10 % \(v[45] in alfa\)", notes_of(results))
@@ -167,6 +175,10 @@ def test_memory_stands_below_the_same_contestants():
 
 def test_without_a_memory_pass_there_is_the_structure():
     assert list(costs(make_results(memory=[]))) == ["structure", "compiling"]
+    sweep = msgspec.structs.replace(make_sweep(TWO, EXPONENTS, SIZES[:2]), memory=[])
+    first, second = (sheet for sheet in make_pages(sweep).sheets if "bandwidth" not in sheet.title)
+    assert first.costs
+    assert not second.costs  # what a contestant said of the first model is nobody's of the second
 
 
 def test_unaccounted_and_failed_memory_is_named():
@@ -210,8 +222,11 @@ def test_a_sweep_over_sizes_is_a_table_a_size_and_one_of_growth():
     sheets = make_pages(results).sheets
     titles = [sheet.title for sheet in sheets if "bandwidth" not in sheet.title]
     assert [title.split(":")[0] for title in titles] == [*(f"nozzle-{size}" for size in SIZES), "Growth"]
+    assert sheets[-1].head == ["scenario", "v3y", "v4"]
     (row,) = sheets[-1].rows
     assert [cell.text for cell in row] == ["alfa", "1.00", "1.50"]
+    (row,) = make_pages(make_sweep(TWO, EXPONENTS, SIZES, launches=3)).sheets[-1].rows
+    assert [cell.text for cell in row] == ["alfa", "1.00?", "1.50?"]
     (row,) = make_pages(results, intervals=True).sheets[-1].rows
     assert [cell.text for cell in row] == ["alfa", "1.00-1.00", "1.50-1.50"]
     assert "compiling" in str(sheets[0].costs)
@@ -277,7 +292,7 @@ def test_a_check_shows_answers_and_no_times():
     assert sheet.head == ["scenario", "v3y =1", "v4"]
     assert [cell.text for cell in sheet.rows[0]] == ["alfa", "agrees", "wrong"]
     assert not sheet.costs
-    assert "Figures" not in as_text(results)
+    assert not any(word in as_text(results) for word in ("Figures", "Control", "Time"))
 
 
 def test_nothing_measured_is_still_a_table():
@@ -358,5 +373,5 @@ def test_figures_for_people():
         "84.0 ns",
     ]
     assert span(0.98, 12.36) == "0.98-12.4"
-    assert [percent(share) for share in (0.0, 0.004, 0.43, 1.12)] == ["0 %", "0.4 %", "43 %", "112 %"]
+    assert [percent(share) for share in (0.0, 1e-4, 0.004, 0.43, 1.12)] == ["0 %", "<0.1 %", "0.4 %", "43 %", "112 %"]
     assert [plural(1, "launch"), plural(8, "launch"), plural(2, "round")] == ["1 launch", "8 launches", "2 rounds"]

@@ -120,6 +120,7 @@ def run_benchmark(
         reference=plan.reference,
         effort=plan.effort,
         seed=plan.seed,
+        titles=list(plan.titles),
         started=_now(),
         environment={**describe_environment(), "worker_threads": plan.threads},
     )

@@ -1,7 +1,8 @@
 """How time grows with the size of the model, over a ladder of sizes: time ~ size ** exponent.
 
 Each launch gives one exponent, fitted by least squares to ln(time) over ln(size); over launches their median counts,
-with the interval of the sign test, as everywhere (see `statistics`). 1 is linear; 0 is a task that does the same
+with the interval of the sign test (see `statistics`); each holds with CONFIDENCE for itself, since none is compared with
+another. 1 is linear; 0 is a task that does the same
 work whatever the size; a little over 1 is what a sweep shows that leaves one cache after the other.
 """
 
@@ -12,8 +13,9 @@ from typing import Any
 
 import msgspec
 
+from tetrabench.bench.pairs import CONFIDENCE
 from tetrabench.bench.record import Results, Sample
-from tetrabench.bench.statistics import SHORTEST_S, Row, confidence_of, interval_over, summary
+from tetrabench.bench.statistics import SHORTEST_S, Row, interval_over, summary
 
 FEWEST_SIZES = 5
 WIDEST = 30.0
@@ -65,16 +67,15 @@ def growth(results: Results, rows: Iterable[Row] | None = None) -> list[Growth]:
     for row in summary(results) if rows is None else rows:
         if not row.control and row.model in sizes:
             cells.setdefault((row.task, row.backend), []).append(row)
-    confidence = confidence_of(sum(not backend.control for backend in results.backends))
     return [
-        _grown(cells[task.name, backend.name], samples[task.name, backend.name], sizes, confidence)
+        _grown(cells[task.name, backend.name], samples[task.name, backend.name], sizes)
         for task in results.tasks
         for backend in results.backends
         if (task.name, backend.name) in cells
     ]
 
 
-def _grown(rows: Sequence[Row], samples: Iterable[Sample], sizes: dict[str, int], confidence: float) -> Growth:
+def _grown(rows: Sequence[Row], samples: Iterable[Sample], sizes: dict[str, int]) -> Growth:
     clock = "wall" if any(row.clock == "wall" for row in rows) else "cpu"  # one for all sizes
     seconds: dict[str, dict[int, list[float]]] = {}  # by model, by launch
     for sample in samples:
@@ -91,7 +92,7 @@ def _grown(rows: Sequence[Row], samples: Iterable[Sample], sizes: dict[str, int]
             points.setdefault(launch, []).append((sizes[model], median(times)))
     exponents = [_slope(launch) for launch in points.values() if _is_ladder(launch)]
     # interval_over takes logarithms: the factor by which time grows with an e-fold size
-    factor = interval_over(exponents, confidence)
+    factor = interval_over(exponents, CONFIDENCE)
     if factor is None:
         return Growth(**facts, reason=_why_not(rows, used, known))
     exponent, low, high = map(math.log, factor[:3])

@@ -43,6 +43,7 @@ class Plan:
         timeout_s: longest wait for a worker's reply; budget_s: no launch begins that would end later. None: no limit.
         has_memory, has_yardsticks: whether memory and the machine are measured too.
         command: how to repeat the run.
+        titles: of all contestants of the family, see `record.Results`.
     """
 
     family: str
@@ -59,6 +60,7 @@ class Plan:
     has_memory: bool = True
     has_yardsticks: bool = True
     command: str = ""
+    titles: tuple[str, ...] = ()
     checkouts: Mapping[str, Path] = field(default_factory=dict)
 
     @property
@@ -174,6 +176,7 @@ def make_plan(
         has_memory=not thesis and profile != "check",
         has_yardsticks=profile != "check",
         command=command,
+        titles=tuple(one.title for one in kind.contestants),
     )
 
 

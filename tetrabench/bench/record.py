@@ -204,6 +204,7 @@ class Results(msgspec.Struct, frozen=True, kw_only=True):
         started: ISO date and time.
         elapsed_s: wall time of the whole run, seconds, without what was resumed.
         environment: processor, memory, system, versions: what figures depend on.
+        titles: of all contestants of the family: charts give each its looks by its place among them, whoever takes part.
         memory: the memory pass.
         ended: why fewer samples were taken than planned: "" (they were not), "interrupted", "budget".
     """
@@ -221,6 +222,7 @@ class Results(msgspec.Struct, frozen=True, kw_only=True):
     started: str
     elapsed_s: float = 0.0
     environment: dict[str, Any]
+    titles: list[str] = []
     launches: list[Launch] = []
     memory: list[Memory] = []
     samples: list[Sample] = []

@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 from tetrabench.bench.messages import Reply, Request, decode_reply, encode
 
@@ -125,7 +126,8 @@ class WorkerProcess:
         """
         line = b""
         with selectors.DefaultSelector() as selector, _watched(self._process.pid) as end:
-            for file in (self._replies, *end):
+            watched: list[Any] = [self._replies, *end]
+            for file in watched:
                 selector.register(file, selectors.EVENT_READ)
             while not line.endswith(b"\n"):
                 ready = [key.fileobj for key, _ in selector.select(self._timeout_s)]

@@ -10,6 +10,8 @@ from typing import Any, NoReturn
 
 import click
 
+from tetrabench.cli.comparing import compare, gate, history
+from tetrabench.cli.machine import doctor
 from tetrabench.cli.meshes import convert, generate, info
 from tetrabench.cli.runs import check, list_, run, show
 from tetrabench.cli.speech import say
@@ -67,10 +69,10 @@ class Verbs(click.Group):
 def main() -> None:
     """How should a program store a large mesh? The same workloads on interchangeable storage backends.
 
-    Exit codes: 0 all well; 2 wrong usage or bad input; 3 a backend crashed or gave a wrong answer;
-    6 not enough memory; 130 interrupted.
+    Exit codes: 0 all well; 1 a regression; 2 wrong usage or bad input; 3 a backend crashed or gave a wrong answer;
+    4 inconclusive (if asked); 5 not comparable; 6 not enough memory; 130 interrupted.
     """
 
 
-for verb in (run, check, show, list_, info, convert, generate):
+for verb in (run, check, show, gate, compare, history, doctor, list_, info, convert, generate):
     main.add_command(verb)

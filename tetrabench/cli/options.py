@@ -121,22 +121,62 @@ chart_format_option = click.option(
 )
 
 
+def read_share(ctx: click.Context, param: click.Parameter, text: str) -> float:
+    """A share such as 10% or 0.1."""
+    match = re.fullmatch(r"(\d+(?:\.\d+)?)\s*(%?)", text.strip())
+    share = float(match[1]) / (100 if match[2] else 1) if match else 0.0
+    if not 0 < share < 10:
+        raise click.BadParameter(f"{text!r} is no share such as 10% or 0.1", ctx, param)
+    return share
+
+
 def what_options(verb: Callable[..., Any]) -> Callable[..., Any]:
     """What `run` and `check` take: models, backends, scenarios."""
+    model = click.option("--model", required=True, metavar="FILE|NAME", help="A mesh file, or a model to generate.")
+    reference = click.option("--reference", metavar="A", help="The backend that ratios refer to.")
+    return _take(verb, [model, *_subject_options(), reference, seed_option])
+
+
+def gate_options(verb: Callable[..., Any]) -> Callable[..., Any]:
+    """What `gate` takes of it: each backend is its own reference."""
+    help_text = "A mesh file, or a model to generate.  [default: nozzle of 30k]"
+    model = click.option("--model", metavar="FILE|NAME", help=help_text)
+    return _take(verb, [model, *_subject_options(), seed_option])
+
+
+def _subject_options() -> list[Callable[..., Any]]:
     names: dict[str, Any] = {"multiple": True, "callback": split_names, "metavar": "A,B", "help": "All unless given."}
     size_help = "Size of a generated model, such as 100k; several make a sweep."
     option_help = "A count of a scenario, such as alfa.sweeps=10; several make a sweep."
-    options = [
-        click.option("--model", required=True, metavar="FILE|NAME", help="A mesh file, or a model to generate."),
+    return [
         family_option,
         click.option("--backend", "backends", **names),
         click.option("--scenario", "scenarios", **names),
-        click.option("--reference", metavar="A", help="The backend that ratios refer to."),
         click.option("--tets", callback=read_counts, metavar="N,N", help=size_help),
         click.option("--option", "options", multiple=True, callback=read_options, metavar="NAME=N,N", help=option_help),
         numbering_option,
-        seed_option,
     ]
+
+
+def _take(verb: Callable[..., Any], options: list[Callable[..., Any]]) -> Callable[..., Any]:
     for option in reversed(options):
         verb = option(verb)
     return verb
+
+
+threshold_option = click.option(
+    "--threshold",
+    callback=read_share,
+    default="10%",
+    show_default=True,
+    help="How much slower is allowed, by CPU time; by wall time half as much again.",
+)
+strict_option = click.option("--strict", is_flag=True, help="Exit code 4 where something is inconclusive.")
+verdict_format_option = click.option(
+    "--format",
+    "form",
+    type=click.Choice(["table", "md", "json", "github"]),  # those of report.verdicts
+    default="table",
+    show_default=True,
+    help="For people (github: with annotations of a workflow), or for programs.",
+)

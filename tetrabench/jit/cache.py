@@ -19,7 +19,6 @@ import functools
 import hashlib
 import importlib
 import inspect
-import os
 import platform
 import sys
 from collections.abc import Callable, Iterable, Iterator
@@ -36,7 +35,8 @@ from numba.core.caching import (
     IndexDataCacheFile,
     _CacheLocator,
 )
-from platformdirs import user_cache_path
+
+from tetrabench.folders import cache_root
 
 _HARNESS = "tetrabench"
 _MACHINERY = f"{_HARNESS}.jit"
@@ -84,11 +84,6 @@ def kernels() -> Iterator[Any]:
 def count_compiled() -> int:
     """How many kernels this process has compiled, rather than found in the cache."""
     return sum(sum(compiled.stats.cache_misses.values()) for compiled in _KERNELS)
-
-
-def cache_root() -> Path:
-    """The folder of all caches of the user: kernels, and generated models."""
-    return Path(os.environ.get("TETRABENCH_CACHE") or user_cache_path(_HARNESS))
 
 
 class _Locator(_CacheLocator):  # type: ignore[misc]

@@ -54,7 +54,7 @@ def about_run(results: Results, rows: Sequence[Row], grown: Sequence[Growth], in
 
 def about_growth(grown: Iterable[Growth]) -> Iterator[str]:
     """What the exponents mean, and why there is none where there is none."""
-    yield "1 is linear in the size of the model, 0 the same time whatever its size; fitted by launch, median over launches."
+    yield "1 is linear in size, 0 the same time whatever the size; a median over launches, its interval holds with 95 %."
     if any(not one.is_whole and one.exponent is not None for one in grown):
         yield "With a question mark: launches are too few for an interval."
     yield from _listed((one.backend, one.task, one.reason) for one in grown if one.exponent is None)
@@ -68,7 +68,8 @@ def about_machine(results: Results) -> str:
 
 
 def _about_answers(part: Part) -> str:
-    wrong = list(dict.fromkeys(row.task for row in part.rows.values() if row.verdict == "wrong"))
+    everybody = [*part.rows.values(), *part.controls.values()]
+    wrong = list(dict.fromkeys(row.task for row in everybody if row.verdict == "wrong"))
     if wrong:
         return f"WRONG ANSWERS in {', '.join(wrong)}: contestants disagree; see below."
     compared = [task for task in part.tasks if _said(part, task) > 1]
@@ -85,7 +86,8 @@ def _said(part: Part, task: str) -> int:
 
 
 def _about_reasons(part: Part) -> Iterator[str]:
-    ended = [row for row in part.rows.values() if row.reason and row.verdict != "inconclusive"]
+    everybody = [*part.rows.values(), *part.controls.values()]
+    ended = [row for row in everybody if row.reason and row.verdict != "inconclusive"]
     yield from _listed((f"{row.backend}, {row.verdict}", row.task, row.reason) for row in ended)
 
 

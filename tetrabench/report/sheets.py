@@ -120,7 +120,7 @@ def _growth(results: Results, grown: Iterable[Growth], intervals: bool) -> Sheet
     smallest, largest = min(one.smallest for one in fitted), max(one.largest for one in fitted)
     return Sheet(
         title=f"Growth: time ~ size ** exponent, from {smallest:,} to {largest:,}",
-        head=["scenario", *(_head(backend) for backend in backends)],
+        head=["scenario", *map(_name, backends)],
         rows=[
             [Cell(task), *(Cell(_exponent(cells.get((task, one.name)), intervals)) for one in backends)]
             for task in dict.fromkeys(task for task, _ in cells)
@@ -141,7 +141,11 @@ def _heads(part: Part) -> list[str]:
 
 
 def _head(backend: Backend) -> str:
-    return backend.name + ("*" if backend.extension else "") + (" =1" if backend.name == backend.against else "")
+    return _name(backend) + (" =1" if backend.name == backend.against else "")
+
+
+def _name(backend: Backend) -> str:
+    return backend.name + ("*" if backend.extension else "")
 
 
 def _compared(part: Part, task: str, backend: Backend, intervals: bool) -> Cell:

@@ -9,9 +9,7 @@ from typing import Any
 
 from matplotlib.colors import to_rgb
 
-from tetrabench import registry
 from tetrabench.bench.record import Results
-from tetrabench.errors import InputError
 
 EDGE = "#333333"
 _HUES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")  # Okabe and Ito: for all eyes
@@ -33,7 +31,7 @@ class Style:
 def make_styles(results: Results) -> dict[str, Style]:
     """A style for each contestant, by name; controls have none."""
     backends = [backend for backend in results.backends if not backend.control]
-    known = [title.partition(", ") for title in _known_titles(results.family)]
+    known = [title.partition(", ") for title in results.titles]
     mine = [backend.title.partition(", ") for backend in backends]
     hues = _numbered([layout for layout, _, _ in (*known, *mine)])
     shades = _numbered([rest for _, _, rest in (*known, *mine)])
@@ -51,13 +49,6 @@ def _look(hue: int, shade: int) -> tuple[dict[str, Any], dict[str, Any]]:
     paint = {"facecolor": (red, green, blue), "hatch": hatch, "edgecolor": EDGE, "linewidth": 0.6}
     marks = {"linestyle": _LINES[hue % len(_LINES)], "marker": _MARKERS[shade % len(_MARKERS)]}
     return paint, {"color": colour, **marks}
-
-
-def _known_titles(family: str) -> list[str]:
-    try:
-        return [contestant.title for contestant in registry.contestants(family)]
-    except InputError:  # results of a family that is not installed here
-        return []
 
 
 def _numbered(words: Iterable[str]) -> dict[str, int]:

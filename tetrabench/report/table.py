@@ -10,7 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from tetrabench.bench.record import Results
-from tetrabench.report.sheets import Sheet, make_pages
+from tetrabench.report.sheets import Pages, Sheet, make_pages
 
 WIDTH = 100
 FIRST = 18
@@ -42,7 +42,16 @@ def as_text(results: Results, *, colour: bool = False, intervals: bool = False) 
         colour: whether signs and words are coloured too.
         intervals: the ends of each interval rather than the ratio.
     """
-    pages = make_pages(results, intervals=intervals)
+    return text_of(make_pages(results, intervals=intervals), colour=colour)
+
+
+def as_markdown(results: Results, *, intervals: bool = False) -> str:
+    """The same in Markdown."""
+    return markdown_of(make_pages(results, intervals=intervals))
+
+
+def text_of(pages: Pages, *, colour: bool = False) -> str:
+    """Any tables for a terminal."""
     console = Console(file=io.StringIO(), width=1000, force_terminal=colour, highlight=False)
     with console.capture() as capture:
         for sheet in pages.sheets:
@@ -53,9 +62,8 @@ def as_text(results: Results, *, colour: bool = False, intervals: bool = False) 
     return "\n".join(line.rstrip() for line in capture.get().splitlines()) + "\n"
 
 
-def as_markdown(results: Results, *, intervals: bool = False) -> str:
-    """The same in Markdown."""
-    pages = make_pages(results, intervals=intervals)
+def markdown_of(pages: Pages) -> str:
+    """Any tables in Markdown."""
     blocks = []
     for sheet in pages.sheets:
         rows = [[cell.text for cell in row] for row in (*sheet.rows, *sheet.costs)]

@@ -22,7 +22,9 @@ def span(low: float, high: float) -> str:
 
 
 def percent(share: float) -> str:
-    """A share: 43 %, 0.4 %."""
+    """A share: 43 %, 0.4 %, <0.1 %."""
+    if 0 < share < 0.0005:
+        return "<0.1 %"
     return f"{100 * share:.0f} %" if share >= 0.0095 or share == 0 else f"{100 * share:.1f} %"
 
 

@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from tetrabench.errors import InputError
+from tetrabench.folders import cache_root
 from tetrabench.io import known_suffix, read_mesh, write_mesh
-from tetrabench.jit import cache_root, kernel
+from tetrabench.jit import kernel
 from tetrabench.mesh import TetraMesh
 from tetrabench.mesh.models import MODELS, generate
 from tetrabench.tetra.contestant import TetraContestant
