@@ -80,7 +80,9 @@ def check_numbering(ctx: click.Context, param: click.Parameter, name: str) -> st
     return name
 
 
-seed_option = click.option("--seed", default=0, help="Of all that is random.", show_default=True)
+seed_option = click.option(
+    "--seed", type=click.IntRange(min=0), default=0, help="Of all that is random.", show_default=True
+)
 family_option = click.option("--family", default="tetra", show_default=True, help="The kind of thing to store.")
 numbering_option = click.option(
     "--numbering",

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetrabench.jit import kernel
+from tetrabench.mesh.tetra_mesh import as_vertices
 
 
 def vertex_tetras(tets: NDArray[np.int32], points: int) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
@@ -18,8 +19,11 @@ def vertex_tetras(tets: NDArray[np.int32], points: int) -> tuple[NDArray[np.int6
     Returns:
         starts (points + 1,) int64, rows (4 m,) int32: the tetras around point v are rows[starts[v]:starts[v + 1]],
         ascending.
+
+    Raises:
+        InputError: tets of another shape, or a vertex that is none of the points.
     """
-    tets = np.require(tets, np.int32, ["C", "W", "O"])
+    tets = as_vertices(tets, points)
     # allocated here, not in a kernel: numpy asks the system for large pages, numba does not
     starts, rows = np.zeros(points + 2, np.int64), np.empty(tets.size, np.int32)
     _distribute(tets.reshape(-1), starts, rows)

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from tetrabench.errors import InputError
 from tetrabench.jit import kernel
+from tetrabench.mesh.tetra_mesh import as_vertices
 
 Tets = NDArray[np.int32]
 
@@ -27,7 +28,8 @@ def side_neighbours(tets: Tets) -> NDArray[np.int32]:
         (n, 4) int32: row of the tetra that shares the side opposite vertex i, -1 where there is none.
 
     Raises:
-        InputError: a side is shared by three tetras or more; names them, counted from 0.
+        InputError: tets of another shape, or with a negative vertex; a side is shared by three tetras or more: names
+            them, counted from 0.
     """
     neighbours, crowded = _match(tets)
     if len(crowded):
@@ -52,7 +54,7 @@ def crowded_tetras(tets: Tets) -> NDArray[np.int64]:
 
 def _match(tets: Tets) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
     """Neighbours (n, 4), of sides with two tetras, and the rows of crowded tetras (k,)."""
-    tets = np.require(tets, np.int32, ["C", "W", "O"])
+    tets = as_vertices(tets)
     points = int(tets.max()) + 1 if len(tets) else 0
     # allocated here, not in a kernel: numpy asks the system for large pages, numba does not
     neighbours = np.full((len(tets), 4), _NONE, np.int32)

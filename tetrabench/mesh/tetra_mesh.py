@@ -3,7 +3,9 @@
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+
+from tetrabench.errors import InputError
 
 
 @dataclass
@@ -40,13 +42,38 @@ class TetraMesh:
     Attributes:
         points: (n, 3) float64, coordinates in the file's order, in the file's unit of length.
         tets: (m, 4) int32, indices into `points`, in the file's order and vertex order.
-        point_ids: (n,) int64, the file's own numbers of the points.
-        tet_ids: (m,) int64, the file's own numbers of the tetras.
+        point_ids: (n,) int64, the file's own numbers of the points; 1, 2, 3, ... unless they are given.
+        tet_ids: (m,) int64, the file's own numbers of the tetras; likewise.
         report: what the reader met besides.
     """
 
     points: NDArray[np.float64]
     tets: NDArray[np.int32]
-    point_ids: NDArray[np.int64]
-    tet_ids: NDArray[np.int64]
+    point_ids: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
+    tet_ids: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
     report: MeshReport = field(default_factory=MeshReport)
+
+    def __post_init__(self) -> None:
+        if not len(self.point_ids):
+            self.point_ids = np.arange(1, len(self.points) + 1)
+        if not len(self.tet_ids):
+            self.tet_ids = np.arange(1, len(self.tets) + 1)
+
+
+def as_vertices(tets: ArrayLike, points: int | None = None) -> NDArray[np.int32]:
+    """The vertices of tetras as kernels take them, which look at no bound: (m, 4) int32, contiguous.
+
+    Args:
+        tets: (m, 4) whole numbers.
+        points: how many points there are; None: as many as need be.
+
+    Raises:
+        InputError: another shape, no whole numbers, or a vertex below 0 or beyond the points.
+    """
+    given = np.asarray(tets)
+    if given.ndim != 2 or given.shape[1] != 4 or given.dtype.kind not in "iu":
+        raise InputError(f"tets are whole numbers of the shape (m, 4), not {given.dtype} {given.shape}")
+    most = np.iinfo(np.int32).max if points is None else points - 1
+    if given.size and not (given.min() >= 0 and given.max() <= most):
+        raise InputError(f"tets have vertices from 0 to {most}; these go from {given.min()} to {given.max()}")
+    return np.require(given, np.int32, ["C", "W", "O"])

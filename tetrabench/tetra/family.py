@@ -1,11 +1,15 @@
 """The tetra family, as the harness sees it: its models, its reference contestant, its stage."""
 
+import functools
+import hashlib
 from collections.abc import Mapping
 from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
 
+import tetrabench.io
+import tetrabench.mesh
 from tetrabench.errors import InputError
 from tetrabench.folders import cache_root
 from tetrabench.io import known_suffix, read_mesh, write_mesh
@@ -156,7 +160,7 @@ class TetraFamily:
                 raise InputError(f"{model} is a file: a size or numbering can only be given for {', '.join(MODELS)}")
             return path
         folder = cache_root() / "models"
-        path = folder / f"{model}-{size or MODELS[model].tets}-{numbering}-{seed}.nas"
+        path = folder / f"{model}-{size or MODELS[model].tets}-{numbering}-{seed}-{_generators_stamp()}.nas"
         if not path.is_file():
             folder.mkdir(parents=True, exist_ok=True)
             write_mesh(generate(model, size, numbering=numbering, seed=seed), path)
@@ -176,11 +180,22 @@ class TetraFamily:
         return TetraStage(contestant, model, chained=chained)
 
 
+@functools.cache
+def _generators_stamp() -> str:
+    """Eight digits that change with the code that makes models: those that other code made are not taken."""
+    digest = hashlib.sha256()
+    for package in (tetrabench.mesh, tetrabench.io):
+        for source in sorted(Path(package.__path__[0]).rglob("*.py")):
+            digest.update(source.read_bytes())
+    return digest.hexdigest()[:8]
+
+
 def _how_to_get(path: Path) -> str:
     known = ", ".join(MODELS)
     if path.stem in MODELS:
+        file = path if path.suffix else path.with_suffix(".nas")
         return (
-            f"{path}: no such file. Make one with `tetrabench generate {path.stem} -o {path}`, "
+            f"{path}: no such file. Make one with `tetrabench generate {path.stem} -o {file}`, "
             f"or say `--model {path.stem}` to have one made for you"
         )
     near = get_close_matches(path.stem, MODELS, n=1)

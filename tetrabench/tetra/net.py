@@ -50,6 +50,7 @@ class TetraNet:
 
     def _adopt(self, storage: Net) -> None:
         self._grid: tuple[int, Grid] | None = None
+        self._live: tuple[int, set[int]] | None = None
         # What Python cannot see (V4's nodes) goes when the last owner goes. Growth keeps the nodes and changes the
         # counters that lead to them, so the finalizer follows the box, not the storage of today.
         self._box = [storage]
@@ -75,6 +76,7 @@ class TetraNet:
         """Give the memory back now; the net is unusable afterwards. May come twice."""
         self._finalizer()
         self._grid = None
+        self._live = None
 
     @property
     def is_open(self) -> bool:
@@ -97,7 +99,34 @@ class TetraNet:
         return iter(self.refs.tolist())
 
     def __contains__(self, t: int) -> bool:
+        if self._has_addresses:
+            return t in self._addresses()
         return t >= 0 and bool(interface.is_live(self.storage, t))
+
+    @property
+    def _has_addresses(self) -> bool:
+        """Whether refs are addresses, of which none tells by itself whether a tetra is there."""
+        return is_implemented(interface.release, type(self.storage.slots))
+
+    def _addresses(self) -> set[int]:
+        """The refs of all tetras; listed anew where the net was edited by others than `insert` and `delete`."""
+        edits = int(self.storage.points.counters[EDITS])
+        if self._live is None or self._live[0] != edits:
+            self._live = edits, set(self.refs.tolist())
+        return self._live[1]
+
+    def _drop_stale_addresses(self) -> None:
+        """Forget the list of addresses if others have edited the net since it was made."""
+        if self._live is not None and self._live[0] != int(self.storage.points.counters[EDITS]):
+            self._live = None
+
+    def _book(self, *, born: int | None = None, dead: int | None = None) -> None:
+        """Keep the list of addresses in step with an edit: to list all after each would make a loop quadratic."""
+        if self._live is not None:
+            _, refs = self._live
+            refs.discard(dead)
+            refs.update([] if born is None else [born])
+            self._live = int(self.storage.points.counters[EDITS]), refs
 
     @property
     def refs(self) -> NDArray[np.int64]:
@@ -294,22 +323,26 @@ class TetraNet:
             InputError: equal or unknown points, a tetra that is there already, a side that two tetras share already.
         """
         self.storage = edit.reserve(self.storage, 1, 0)
+        self._drop_stale_addresses()
         try:
-            return int(edit.insert_tetra(self.storage, int(a), int(b), int(c), int(d)))
+            t = int(edit.insert_tetra(self.storage, int(a), int(b), int(c), int(d)))
         except ValueError as error:
             raise InputError(f"cannot insert the tetra ({a}, {b}, {c}, {d}): {error}") from None
+        self._book(born=t)
+        return t
 
     def delete(self, t: int) -> None:
         """Delete a tetra; its points stay.
 
         Raises:
-            InputError: there is no such tetra. (The address of a deleted V4 node cannot be told from a live one.)
+            InputError: there is no such tetra.
         """
         self._one(t)
         try:
             edit.delete_tetra(self.storage, int(t))
         except ValueError as error:
             raise InputError(f"cannot delete {t}: {error}") from None
+        self._book(dead=int(t))
 
     def split(self, refs: ArrayLike) -> int:
         """Split tetras in four around their centroids; children inherit the states. Returns how many were skipped.
