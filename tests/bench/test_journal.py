@@ -234,6 +234,8 @@ def test_a_run_interrupted_here_and_there_has_the_samples_of_an_uncut_one(story:
         if Play(stop_at(number, tell)).run(plan, output=target).ended:
             results = Play(tell).run(plan, output=target, resume=True)
             assert places(results.samples) == places(uncut.samples)
+            made = [(one.model, one.launch, one.group) for one in results.launches]
+            assert sorted(set(made)) == sorted(made)  # none of them twice
 
 
 def test_cells_close_by_whole_launches(target: Path):
