@@ -11,7 +11,7 @@ from click.testing import CliRunner, Result
 
 import tetrabench
 from tests.report.made import change, make_results
-from tetrabench.bench import read_results, save_results
+from tetrabench.bench import save_results
 from tetrabench.bench.record import Results
 from tetrabench.cli import main
 from tetrabench.report.formats import FORMATS
@@ -40,14 +40,14 @@ def no_measuring(monkeypatch: pytest.MonkeyPatch):
     def let(results: Results) -> list:
         plans = []
 
-        def run_benchmark(plan, *, progress):
+        def run_benchmark(plan, *, progress, **_):
             plans.append(plan)
             progress.started(plan)
-            progress.step("compiled alfa for v3y", 1, 2, None)
-            progress.step("compiled flow for v3y", 2, 2, None)
-            progress.step("alfa: v3y, round 1", 0, 2, None)
-            progress.step("alfa: v3y, round 2", 1, 2, 4.0)
-            progress.step("flow: v3y, round 1", 1, 2, 65.0)
+            progress.step("compiling", "alfa for v3y", 1, 2, None)
+            progress.step("compiling", "flow for v3y", 2, 2, None)
+            progress.step("launch 1 of 8", "alfa, v3y, round 1", 0, 2, None)
+            progress.step("launch 1 of 8", "alfa, v3y, round 2", 1, 2, 4.0)
+            progress.step("launch 2 of 8", "alfa, v3y, round 1", 1, 2, 65.0)
             return results
 
         monkeypatch.setattr("tetrabench.bench.run_benchmark", run_benchmark)
@@ -122,24 +122,53 @@ def test_folder_for_the_results_is_looked_for_before_the_run(tmp_path: Path):
 def test_options_reach_the_plan(no_measuring):
     plans = no_measuring(make_results())
     words = (
-        "--backend",
-        "v3y,v4",
-        "--backend",
-        "v5",
-        "--scenario",
-        "flow, alfa",
-        "--rounds",
-        "2",
-        "--seed",
-        "7",
+        *("--backend", "v3y,v4", "--backend", "v5", "--scenario", "flow, alfa", "--option", "alfa.sweeps=3,5"),
+        *("--launches", "4", "--rounds", "2", "--seed", "7", "--budget", "10m", "--timeout", "30"),
     )
     say(*RUN, *words)
     (plan,) = plans
-    assert [backend.name for backend in plan.backends] == ["v3y", "v4", "v5"]
-    assert [task.scenario for task in plan.tasks] == ["flow", "alfa"]
-    assert (plan.effort.rounds, plan.seed, plan.chained) == (2, 7, False)
-    say(*RUN, "--thesis")
-    assert plans[1].chained
+    assert [backend.name for backend in plan.backends] == ["v3y", "v4", "v5", "v3y control"]
+    assert [task.name for task in plan.tasks] == ["flow", "alfa sweeps=3", "alfa sweeps=5"]
+    assert [task.options["sweeps"] for task in plan.tasks[1:]] == [3, 5]
+    assert (plan.effort.launches, plan.effort.rounds, plan.seed, plan.profile) == (4, 2, 7, "default")
+    assert (plan.budget_s, plan.timeout_s) == (600.0, 30.0)
+    for profile in ("thesis", "quick", "rigorous"):
+        say(*RUN, f"--{profile}")
+        assert plans[-1].profile == profile
+    say("run", "--model", "box", "--tets", "300,1k")
+    assert list(plans[-1].models) == ["box-300", "box-1000"]
+
+
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        (["--quick", "--rigorous"], "--quick and --rigorous: choose one"),
+        (["--resume"], "--resume goes on with the run to -o FILE.json"),
+        (["--budget", "soon"], "'soon' is no time such as"),
+        (["--timeout", "0"], "'0' is no time such as"),
+        (["--option", "sweeps"], "write NAME=1,2,3"),
+        (["--option", "alfa.sweeps=0"], "counts are 1 at least"),
+        (["--option", "alfa.sleeps=3"], "no scenario has the option alfa.sleeps"),
+        (["--launches", "0"], "launches: 0; at least one"),
+        (["--thesis", "--rounds", "2"], "the thesis profile has one"),
+    ],
+)
+def test_choices_that_cannot_be_taken(no_measuring, words: list[str], reason: str):
+    plans = no_measuring(make_results())
+    result = say(*RUN, *words)
+    assert result.exit_code == 2
+    assert reason in result.stderr
+    assert result.stderr.count("\n") == 1
+    assert not plans
+
+
+def test_dry_run_says_what_and_does_nothing(no_measuring):
+    plans = no_measuring(make_results())
+    result = say(*RUN, "--scenario", "alfa,flow", "--backend", "v3y,v4", "--dry-run")
+    assert result.exit_code == 0
+    assert "8 launches of 3 rounds, at most 144 samples" in result.stdout
+    assert "v3y, v4, v3y control" in result.stdout
+    assert not plans
 
 
 def test_table_on_stdout_and_the_rest_on_stderr(no_measuring, tmp_path: Path):
@@ -150,8 +179,8 @@ def test_table_on_stdout_and_the_rest_on_stderr(no_measuring, tmp_path: Path):
     assert result.exit_code == 0
     assert result.stdout == as_text(results)
     written = [output, tmp_path / "charts" / "times.png", tmp_path / "charts" / "memory.png"]
-    assert all(path.is_file() and f"wrote {path}" in result.stderr for path in written)
-    assert read_results(output) == results
+    assert all(f"wrote {path}" in result.stderr for path in written)
+    assert all(path.is_file() for path in written[1:])
 
 
 def test_no_terminal_nothing_animated(no_measuring):
@@ -159,10 +188,10 @@ def test_no_terminal_nothing_animated(no_measuring):
     result = say(*RUN, "--scenario", "alfa,flow", "--backend", "v3y")
     assert not set("\r\x1b") & set(result.output)
     assert result.stderr.splitlines() == [
-        "box: 2 scenarios on v3y, 5 rounds at most",
-        "compiling, or loading what was compiled",
-        "alfa",
-        "flow (1 of 2 turns done, 1:05 left)",
+        "box: 2 tasks on v3y; 8 launches of 3 rounds at most",
+        "compiling: alfa for v3y",
+        "launch 1 of 8: alfa, v3y, round 1",
+        "launch 2 of 8: alfa, v3y, round 1 (1 of 2 done, 1:05 left)",
     ]
 
 
@@ -173,12 +202,23 @@ def test_wrong_answers_are_3_and_shown(no_measuring):
     assert "v4 says 1, most say 2" in result.stdout
 
 
-def test_interrupted_is_130_and_saved(no_measuring, tmp_path: Path):
-    no_measuring(make_results(interrupted=True))
+def test_interrupted_is_130_and_says_how_to_go_on(no_measuring, tmp_path: Path):
+    no_measuring(make_results(ended="interrupted"))
     result = say(*RUN, "-o", tmp_path / "out.json")
     assert result.exit_code == 130
-    assert f"results so far are in {tmp_path / 'out.json'}" in result.stderr
-    assert read_results(tmp_path / "out.json").interrupted
+    assert f"go on with --resume -o {tmp_path / 'out.json'}" in result.stderr
+    assert "no results are kept without -o" in say(*RUN).stderr
+
+
+def test_check_says_right_or_wrong_and_no_times(no_measuring):
+    results = make_results(profile="check")
+    plans = no_measuring(change(results, "alfa", "v4", status="wrong-result", reason="v4 says 1, most say 2"))
+    result = say("check", "--model", "box", "--tets", "300")
+    assert plans[0].profile == "check"
+    assert result.exit_code == 3
+    assert re.search(r"^alfa +agrees +agrees +agrees +wrong", result.stdout, re.MULTILINE)
+    assert "v4 says 1, most say 2" in result.stdout
+    assert not re.search(r"\d+ ms", result.stdout)
 
 
 def test_interrupted_before_anything_is_130(monkeypatch):
@@ -252,11 +292,11 @@ def test_a_whole_run_in_a_process_of_its_own(tmp_path: Path):
     assert done.returncode == 0, done.stdout + done.stderr
     assert "All 2 contestants gave the same answers: 2 scenarios, one digest each." in done.stdout
     assert not set("\r\x1b") & set(done.stdout + done.stderr)
-    assert json.loads(output.read_bytes())["model"] == "box"
+    assert [model["name"] for model in json.loads(output.read_bytes())["models"]] == ["box"]
     frame = tetrabench.load_results(output)
     assert set(frame.status) == {"ok"}
-    assert len(frame) == 12
-    assert frame.groupby("scenario").digest.nunique().eq(1).all()
+    assert len(frame) == 2 * 3 * 9
+    assert frame.groupby("task").digest.nunique().eq(1).all()
 
 
 def test_bad_input_in_a_process_of_its_own():

@@ -59,10 +59,10 @@ def test_the_text_adds_a_contestant(tmp_path):
     ]
     tetrabench(*run)
     samples = json.loads((tmp_path / "out.json").read_text())["samples"]
-    scenarios = {sample["scenario"] for sample in samples}
+    scenarios = {sample["task"] for sample in samples}
     assert len(scenarios) == 12
     for scenario in scenarios:
-        answers = {(s["backend"], s["status"], s["digest"]) for s in samples if s["scenario"] == scenario}
+        answers = {(s["backend"], s["status"], s["digest"]) for s in samples if s["task"] == scenario}
         assert len(answers) == 2
         assert {status for _, status, _ in answers} == {"ok"}
         assert len({digest for _, _, digest in answers}) == 1

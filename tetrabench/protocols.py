@@ -36,6 +36,19 @@ class Work:
     least_bytes: int | None = None
 
 
+@dataclass(frozen=True)
+class ModelFacts:
+    """What a model holds.
+
+    Attributes:
+        size: how many, by what is counted, such as {"tetras": 642700, "points": 120000}.
+        notes: what its reader warns of, a sentence each.
+    """
+
+    size: Mapping[str, int]
+    notes: Sequence[str] = ()
+
+
 class Contestant(Protocol):
     """A way to store something. `name` is what people type; `extension` marks those that are not from the source."""
 
@@ -125,6 +138,13 @@ class Family(Protocol):
 
         Raises:
             InputError: there is no such file and no such model; says how to get one.
+        """
+
+    def describe_model(self, path: Path) -> ModelFacts:
+        """Read a model, and say what it holds.
+
+        Raises:
+            InputError: it cannot be used.
         """
 
     def small_model(self) -> Path:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tetrabench.errors import InputError
-from tetrabench.protocols import Answer, Work
+from tetrabench.protocols import Answer, ModelFacts, Work
 
 HERE = Path(__file__).parent
 HEAVY_BYTES = 16 * 2**20
@@ -182,6 +182,9 @@ class Family:
         path = HERE / (f"model-{size}" if size else "model")
         path.write_text("abc")
         return path
+
+    def describe_model(self, path: Path) -> ModelFacts:
+        return ModelFacts({"letters": 3}, ("one letter is a digit",))
 
     def small_model(self) -> Path:
         return HERE / "small"

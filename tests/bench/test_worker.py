@@ -286,7 +286,9 @@ def test_a_guide_in_another_process():
         assert facts.reference == "steady"
         assert [one.name for one in facts.scenarios] == ["first", "second", "third", "many"]
         assert [one.parallel for one in facts.scenarios] == [False, False, False, True]
-        assert guide.find_model(Find("scripted", "tiny")).name == "model"
+        found = guide.find_model(Find("scripted", "tiny"))
+        assert Path(found.path).name == "model"
+        assert (found.size, found.notes) == ({"letters": 3}, ["one letter is a digit"])
         with pytest.raises(InputError, match="no family 'script'; did you mean 'scripted'"):
             guide.describe("script")
         with pytest.raises(InputError, match="missing: no such file"):

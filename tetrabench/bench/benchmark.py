@@ -25,8 +25,8 @@ from tetrabench.bench.spawn import WorkerDied, WorkerProcess
 from tetrabench.bench.statistics import BAD, summary
 from tetrabench.memory import available_bytes
 
-GAUGED = 3
-"""Launches that begin with measuring the machine."""
+GAUGED = 2
+"""Launches that begin with measuring the machine: cores alternate, so that two may be seen."""
 
 
 def run(
@@ -114,7 +114,7 @@ def run_benchmark(
         command=plan.command,
         profile=plan.profile,
         family=plan.family,
-        models=[model_of(name, path) for name, path in plan.models.items()],
+        models=[model_of(name, path, plan.facts.get(name)) for name, path in plan.models.items()],
         tasks=list(plan.tasks),
         backends=list(plan.backends),
         reference=plan.reference,

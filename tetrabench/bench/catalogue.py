@@ -5,7 +5,6 @@ To import a family is to import the compiler, and to generate a model is to hold
 """
 
 from collections.abc import Callable
-from pathlib import Path
 from types import TracebackType
 from typing import Protocol
 
@@ -31,8 +30,8 @@ class Guide(Protocol):
     def describe(self, family: str) -> Described:
         """What a family has to offer. Raises InputError."""
 
-    def find_model(self, find: Find) -> Path:
-        """The file of a model, which may have to be generated first. Raises InputError, MemoryRefusedError."""
+    def find_model(self, find: Find) -> Found:
+        """A model, which may have to be generated first. Raises InputError, MemoryRefusedError."""
 
 
 class Registry:
@@ -58,14 +57,16 @@ class Registry:
             ],
         )
 
-    def find_model(self, find: Find) -> Path:
-        """The file of a model.
+    def find_model(self, find: Find) -> Found:
+        """A model: where it lies, and what it holds.
 
         Raises:
-            InputError: there is no such file and no such model.
+            InputError: there is no such file and no such model, or it cannot be used.
         """
         kind = registry.family(find.family)
-        return kind.find_model(find.model, size=find.size, numbering=find.numbering, seed=find.seed).absolute()
+        path = kind.find_model(find.model, size=find.size, numbering=find.numbering, seed=find.seed).absolute()
+        facts = kind.describe_model(path)
+        return Found(str(path), {name: int(number) for name, number in facts.size.items()}, list(facts.notes))
 
 
 class Inquiry:
@@ -92,16 +93,16 @@ class Inquiry:
         assert isinstance(reply, Described), reply
         return reply
 
-    def find_model(self, find: Find) -> Path:
-        """The file of a model.
+    def find_model(self, find: Find) -> Found:
+        """A model: where it lies, and what it holds.
 
         Raises:
-            InputError: there is no such file and no such model.
-            MemoryRefusedError: it is too large to be generated.
+            InputError: there is no such file and no such model, or it cannot be used.
+            MemoryRefusedError: it is too large for the memory that there is.
         """
         reply = self._ask(find)
         assert isinstance(reply, Found), reply
-        return Path(reply.path)
+        return reply
 
     def _ask(self, request: Request) -> Reply:
         try:

@@ -59,7 +59,7 @@ class Describe(msgspec.Struct, frozen=True, tag=True):
 
 
 class Find(msgspec.Struct, frozen=True, tag=True):
-    """Find the file of a model, or generate it: see `Family.find_model`. Reply: Found."""
+    """Find the file of a model, or generate it, and read it: see `Family.find_model`. Reply: Found."""
 
     family: str
     model: str
@@ -142,9 +142,11 @@ class Described(msgspec.Struct, frozen=True, tag=True, kw_only=True):
 
 
 class Found(msgspec.Struct, frozen=True, tag=True):
-    """The path of a model's file."""
+    """The path of a model's file, and what it holds, see `protocols.ModelFacts`."""
 
     path: str
+    size: dict[str, int] = {}
+    notes: list[str] = []
 
 
 class Skipped(msgspec.Struct, frozen=True, tag=True):

@@ -17,6 +17,7 @@ from tetrabench.bench.messages import ContestantFacts, Described, Find, Scenario
 from tetrabench.bench.record import Backend, Effort, Model, Task
 from tetrabench.bench.statistics import fewest_launches
 from tetrabench.errors import InputError, find_named
+from tetrabench.protocols import ModelFacts
 
 EFFORTS = {
     "default": Effort(launches=8, rounds=3, hopeless_rounds=3, narrow=0.03),
@@ -36,7 +37,7 @@ class Plan:
     """A run to be made.
 
     Attributes:
-        models: name -> file.
+        models: name -> file; facts: name -> what it holds, as far as that is known before the run.
         backends: with the controls; in the order of tables and charts.
         checkouts: folder of the packages that a backend's worker imports first, by `Backend.checkout`.
         threads: how many a worker may use; those of serial tasks share one core.
@@ -48,6 +49,7 @@ class Plan:
 
     family: str
     models: Mapping[str, Path]
+    facts: Mapping[str, ModelFacts] = field(default_factory=dict)
     tasks: tuple[Task, ...]
     backends: tuple[Backend, ...]
     reference: str
@@ -157,14 +159,16 @@ def make_plan(
         budget=f"{budget_s:g}" if budget_s is not None else None,
         timeout=f"{timeout_s:g}" if timeout_s is not None else None,
     )
+    models = {
+        model_name(asked, size if len(tets or ()) > 1 else None, numbering): guide.find_model(
+            Find(family, str(model), size, numbering, seed)
+        )
+        for size in (dict.fromkeys(tets) if tets else [None])
+    }
     return Plan(
         family=family,
-        models={
-            asked if len(tets or ()) < 2 else f"{asked}-{size}": guide.find_model(
-                Find(family, str(model), size, numbering, seed)
-            )
-            for size in (dict.fromkeys(tets) if tets else [None])
-        },
+        models={name: Path(found.path) for name, found in models.items()},
+        facts={name: ModelFacts(found.size, tuple(found.notes)) for name, found in models.items()},
         tasks=tuple(make_tasks(_choose_scenarios(kind, scenarios, thesis), options or {}, thesis=thesis)),
         backends=seat(chosen, reference, has_control=profile in ("default", "quick", "rigorous")),
         reference=reference,
@@ -292,10 +296,17 @@ def _command(model: str, verb: str, **flags: object) -> str:
     return shlex.join(words)
 
 
-def model_of(name: str, path: Path) -> Model:
-    """The record of a model whose size is not known yet; its digest is that of the file."""
+def model_name(asked: str, size: int | None = None, numbering: str = "natural") -> str:
+    """What a model is called in a run: by what tells it from others."""
+    words = [asked if size is None else f"{asked}-{size}", *([] if numbering == "natural" else [numbering])]
+    return " ".join(words)
+
+
+def model_of(name: str, path: Path, facts: ModelFacts | None = None) -> Model:
+    """The record of a model; its digest is that of the file."""
     digest = hashlib.blake2b(digest_size=8)
     with path.open("rb") as file:
         while part := file.read(1 << 20):
             digest.update(part)
-    return Model(name=name, digest=digest.hexdigest())
+    facts = facts or ModelFacts({})
+    return Model(name=name, size=dict(facts.size), digest=digest.hexdigest(), notes=list(facts.notes))

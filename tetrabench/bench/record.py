@@ -18,14 +18,17 @@ class Model(msgspec.Struct, frozen=True, kw_only=True):
     """A model as it took part.
 
     Attributes:
-        name: how it was asked for, without its folder; in a sweep over sizes with the size asked for.
+        name: how it was asked for, without its folder, with its numbering unless that is natural; in a sweep over sizes
+            with the size asked for.
         size: how many of each thing it holds, such as {"tetras": 642816, "points": 115541}.
         digest: of the file, 16 hexadecimal digits: two runs with the same digest ran on the same model.
+        notes: what its reader warns of.
     """
 
     name: str
     size: dict[str, int] = {}
     digest: str = ""
+    notes: list[str] = []
 
 
 class Task(msgspec.Struct, frozen=True, kw_only=True):

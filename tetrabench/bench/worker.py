@@ -25,7 +25,6 @@ from tetrabench.bench.messages import (
     Done,
     Failed,
     Find,
-    Found,
     Gauge,
     Gauged,
     Load,
@@ -48,6 +47,8 @@ from tetrabench.errors import InputError, MemoryRefusedError, TetrabenchError
 from tetrabench.jit import count_compiled
 from tetrabench.memory import held_to_available
 from tetrabench.protocols import Contestant, Family, Options, Scenario, Stage
+
+_MISSING = " does not implement "  # what `jit.generic` says of a contestant that leaves something out
 
 
 class Worker:
@@ -106,7 +107,7 @@ class Worker:
             case Describe():
                 return Registry().describe(request.family)
             case Find():
-                return Found(str(Registry().find_model(request)))
+                return Registry().find_model(request)
 
     def _set_stage(self, model: Path) -> Stage:
         self.close()
@@ -195,9 +196,11 @@ def _number(figure: float) -> float | None:
 
 def _one_line(error: BaseException) -> str:
     """What went wrong and where, in a line."""
-    text = next((line.strip() for line in str(error).splitlines() if line.strip()), "no reason given")
+    lines = [line.strip() for line in str(error).splitlines() if line.strip()] or ["no reason given"]
     if isinstance(error, TetrabenchError):
-        return text
+        return lines[0]
+    # The compiler wraps what went wrong in a kernel in pages of its own; what our decorators say stands within.
+    text = next((line for line in lines if _MISSING in line), lines[0])
     trace = error.__traceback__
     while trace and trace.tb_next:
         trace = trace.tb_next

@@ -86,27 +86,19 @@ def run(
 
 @click.command()
 @what_options
+@format_option
 @click.pass_context
-def check(ctx: click.Context, /, **choices: Any) -> None:
+def check(ctx: click.Context, /, form: str, **choices: Any) -> None:
     """Run scenarios on backends once, and compare their answers. No times.
 
     Exit code 3 if a backend gives a wrong answer, or ends badly.
     """
-    from tetrabench.bench import exit_code, run_benchmark, summary
+    from tetrabench.bench import exit_code, run_benchmark
 
     plan = look_up(choices, "check")
     with RunProgress() as progress:
         results = run_benchmark(plan, progress=progress)
-    words = {"reference": "right", "about": "right", "too short": "right", "slower": "right", "faster": "right"}
-    rows = summary(results)
-    right = {(row.model, row.task, row.backend): words.get(row.verdict, row.verdict) for row in rows}
-    names = [backend.name for backend in results.backends]
-    for model in results.models:
-        cells = [[right.get((model.name, task.name, name), "") for name in names] for task in results.tasks]
-        tabulate([model.name, *names], [[task.name, *row] for task, row in zip(results.tasks, cells, strict=True)])
-    for row in rows:
-        if row.reason:
-            click.echo(f"- {row.backend}, {row.verdict} in {row.task}: {row.reason}")
+    present(results, form, None, "")
     ctx.exit(exit_code(results))
 
 

@@ -12,6 +12,7 @@ from tetrabench.io import known_suffix, read_mesh, write_mesh
 from tetrabench.jit import kernel
 from tetrabench.mesh import TetraMesh
 from tetrabench.mesh.models import MODELS, generate
+from tetrabench.protocols import ModelFacts
 from tetrabench.tetra.contestant import TetraContestant
 from tetrabench.tetra.interface import (
     NONE,
@@ -75,7 +76,7 @@ class TetraStage:
 
     def model_size(self) -> Mapping[str, int]:
         """Tetras and points of the model."""
-        return {"tetras": len(self.mesh.tets), "points": len(self.mesh.points)}
+        return mesh_size(self.mesh)
 
     def structure_bytes(self) -> Mapping[str, tuple[int, int]]:
         """Bytes (used, reserved) of each buffer of the net that was given out last."""
@@ -102,6 +103,11 @@ class TetraStage:
         if self._own is not None:
             self._own.close()
             self._own = None
+
+
+def mesh_size(mesh: TetraMesh) -> Mapping[str, int]:
+    """Tetras and points."""
+    return {"tetras": len(mesh.tets), "points": len(mesh.points)}
 
 
 def set_initial_states(net: TetraNet) -> None:
@@ -155,6 +161,11 @@ class TetraFamily:
             folder.mkdir(parents=True, exist_ok=True)
             write_mesh(generate(model, size, numbering=numbering, seed=seed), path)
         return path
+
+    def describe_model(self, path: Path) -> ModelFacts:
+        """Tetras and points of a model, and the warnings of its reader."""
+        mesh = read_mesh(path)
+        return ModelFacts(mesh_size(mesh), tuple(mesh.report.warnings))
 
     def small_model(self) -> Path:
         """A box of a few hundred tetras."""
