@@ -49,6 +49,9 @@ def start(target: Path, tmp_path: Path) -> Iterator[Callable[..., subprocess.Pop
     yield start
     for run in runs:
         run.kill()
+    for process in processes_of(tmp_path):  # workers, where a test has failed
+        os.kill(process, signal.SIGKILL)
+    for run in runs:
         run.communicate()
 
 

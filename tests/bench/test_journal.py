@@ -225,6 +225,34 @@ def test_a_run_cut_anywhere_and_resumed_has_the_samples_of_an_uncut_one(
         ]
 
 
+@pytest.mark.parametrize("story", STORIES)
+def test_a_run_interrupted_here_and_there_has_the_samples_of_an_uncut_one(story: str, tmp_path: Path):
+    plan, tell = STORIES[story]
+    uncut = Play(tell).run(plan)
+    for number in range(1, len(uncut.samples) + 1, 7):
+        target = tmp_path / f"{number}.json"
+        if Play(stop_at(number, tell)).run(plan, output=target).ended:
+            results = Play(tell).run(plan, output=target, resume=True)
+            assert places(results.samples) == places(uncut.samples)
+            made = [(one.model, one.launch, one.group) for one in results.launches]
+            assert sorted(set(made)) == sorted(made)  # none of them twice
+
+
+def test_cells_close_by_whole_launches(target: Path):
+    """Nine launches, of which one is odd, make an interval that is narrow. The first round of the ninth is none yet."""
+    plan = scripted_plan(backends=2, tasks=("first",), launches=12, rounds=2, narrow=0.03)
+
+    def tell(asked: Asked):
+        return 1.5 if (asked.backend, asked.life) == ("v1", 2) else 1.0
+
+    uncut = Play(tell).run(plan)
+    assert max(one.launch for one in uncut.samples) == 8
+    Play(stop_at(1 + 8 * 6 + 4, tell)).run(plan, output=target)
+    assert [one.round for one in read_results(target).samples if one.launch == 8] == [0] * 3
+    results = Play(tell).run(plan, output=target, resume=True)
+    assert places(results.samples) == places(uncut.samples)
+
+
 # ---------------------------------------------------------------------- round trip
 
 NAMES = st.text(st.characters(codec="utf-8"), max_size=6)

@@ -405,7 +405,7 @@ def test_a_cell_whose_interval_is_narrow_ends_early_and_the_others_go_on():
 
 
 def test_a_run_whose_cells_are_all_narrow_is_complete():
-    clock_stops_at = 8 * 3 * 2 * 1.0
+    clock_stops_at = 1 + 6 * 3 * 2 + 3.0
     results = play(
         scripted_plan(backends=2, launches=12, rounds=2, narrow=0.03, tasks=("first",), budget_s=clock_stops_at),
         lambda asked: 1.0 if asked.what == "measure" else 0.0,

@@ -101,12 +101,7 @@ class Agenda:
         return [
             name
             for name in names
-            if name in compared
-            or (
-                compared
-                and name not in self._compared
-                and (self.has_had(place, name) or not self._has_ended(place, name))
-            )
+            if name in compared or (compared and name not in self._compared and not self._has_ended(place, name))
         ]
 
     def to_come(self, place: Round, names: Sequence[str]) -> list[str]:
