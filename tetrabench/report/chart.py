@@ -27,11 +27,12 @@ from tetrabench.report.units import counted, duration
 
 WIDTH = 11.0  # inches
 PANEL = 6  # groups of dots side by side
-PANEL_HEIGHT = 2.9  # inches
+PANEL_HEIGHT = 3.2  # inches
 CURVES = 4  # panels of curves side by side
 SMALL = 9  # points, of the legend
 LONGEST = 64  # characters in a line of the legend
 LEGEND_GAPS = 0.85  # inches of a column of the legend that are no words
+LETTER = 0.09  # inches, of a name below a bar
 Handle = Patch | Line2D  # a sign in the legend
 
 
@@ -102,6 +103,8 @@ def draw_memory(part: Part) -> Figure:
     for axes, (kind, sizes) in zip(panels, kinds.items(), strict=True):
         draw_bars(axes, {name: sizes[name] for name in styles}, styles, top=top)
         axes.set_title(titles[kind], fontsize=10)
+        if LETTER * max(len(style.name) for style in styles.values()) > 0.7 * WIDTH / len(kinds) / len(styles):
+            axes.tick_params(axis="x", labelrotation=90)
     panels[0].set_ylabel(f"bytes a {part.item}")
     return figure
 
@@ -183,9 +186,9 @@ def _times_caption(part: Part, dots: Sequence[Dot], *, is_compared: bool) -> str
     """What the chart shows; each sign is explained where it occurs."""
     said = [f"{part.title}. {about_machine(part.results)}. {about_clock(part.rows.values())}, less is better."]
     if few := fewer_than_asked(part):
-        said.append(f"Fewer than asked for: {few}.")
+        said.append(f"Fewer than asked for, the model is too small: {few}.")
     if is_compared and part.has_intervals:
-        said.append("Whiskers: intervals that hold with 95 % for all of a scenario together.")
+        said.append("Whiskers, where longer than a dot: intervals that hold with 95 % for all of a scenario together.")
         said.append("An interval within the grey band means the same, one that holds 1 ranks nothing.")
     elif is_compared:
         few = "One launch: no intervals" if max(part.launches.values()) == 1 else "Too few launches for intervals"
@@ -212,7 +215,7 @@ def _make_figure(
         caption += f" {FOREIGN}"
     titles = textwrap.wrap(title, 80) + ([about_end(results)] if results.ended else [])
     entries = _legend_columns(styles)
-    filled = textwrap.fill(caption.replace(" %", "\N{NO-BREAK SPACE}%"), 165)
+    filled = textwrap.fill(caption.replace(" %", "\N{NO-BREAK SPACE}%"), 180)
     heads = 0.1 + 0.22 * len(titles)  # inches
     above = heads + 0.15 + 0.19 * max(map(_lines, entries), default=0)
     height, foot = PANEL_HEIGHT * rows, 0.15 + 0.15 * (1 + filled.count("\n"))

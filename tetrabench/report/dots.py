@@ -17,8 +17,8 @@ from tetrabench.report.bars import places, write_word
 from tetrabench.report.style import EDGE, Style
 
 CONTROL = "#9a9a9a"
-FAR = 3.0  # beyond this, either way, a dot carries its figure
-ROOM = 0.16  # share of the axis for such a figure
+FAR = 1.5  # beyond this, either way, a dot carries its figure
+LETTER, MARGIN = 0.045, 0.06  # shares of the span of all dots that a letter of such a figure takes, and half a dot
 NEAR = 2.0  # the axis reaches so far at least, either way
 Ends = tuple[float, float]
 
@@ -46,6 +46,12 @@ class Dot:
         for ends, colour in ((self.interval, EDGE), (self.control, CONTROL)):
             if ends is not None and ends[1] > ends[0]:
                 yield ends, colour
+
+    @property
+    def extent(self) -> Ends:
+        """From where to where it reaches with its whiskers, but for its figure."""
+        shown = [self.ratio or 1.0, *(end for ends, _ in self.whiskers for end in ends)]
+        return min(shown), max(shown)
 
     @property
     def is_far(self) -> bool:
@@ -77,31 +83,33 @@ def draw_dots(axes: Axes, groups: Sequence[Dots], styles: Mapping[str, Style], e
 
 def find_ends(groups: Sequence[Dots]) -> Ends:
     """The ends of an axis that has room for all dots, their whiskers and their figures."""
-    dots = [dot for group in groups for dot in group.values() if dot.ratio is not None]
-    shown = [dot.ratio for dot in dots if dot.ratio] + [end for dot in dots for ends, _ in dot.whiskers for end in ends]
-    low, high = min([1 / NEAR, *shown]), max([NEAR, *shown])
-    span = math.log(high / low)
-    below = any(dot.is_far and dot.ratio < 1 for dot in dots if dot.ratio)
-    above = any(dot.is_far and dot.ratio > 1 for dot in dots if dot.ratio)
-    return low * math.exp(-span * (ROOM if below else ROOM / 4)), high * math.exp(span * (ROOM if above else ROOM / 4))
+    dots = [dot for group in groups for dot in group.values()]
+    lows, highs = zip((1 / NEAR, NEAR), *(dot.extent for dot in dots), strict=True)
+    span = math.log(max(highs) / min(lows))
+    for dot in dots:
+        low, high = dot.extent
+        figure = LETTER * len(dot.label) * dot.is_far
+        is_above = dot.ratio is not None and dot.ratio > 1
+        lows += (low * math.exp(-span * (MARGIN + (0 if is_above else figure))),)
+        highs += (high * math.exp(span * (MARGIN + (figure if is_above else 0))),)
+    return min(lows), max(highs)
 
 
 def _ticks(ends: Ends) -> tuple[float, ...]:
     """The figures of a decade that stand at the axis: the fewer, the more decades there are."""
     decades = math.log10(ends[1] / ends[0])
-    return (1, 1.5, 2, 3, 5, 7) if decades < 1.3 else (1, 2, 5) if decades < 4 else (1,)
+    return (1, 1.5, 2, 3, 5, 7) if decades < 1.5 else (1, 2, 5) if decades < 5 else (1,)
 
 
 def _draw_dot(axes: Axes, x: float, dot: Dot, ratio: float, style: Style) -> None:
     axes.plot([x, x], [1.0, ratio], color=style.dot["color"], linewidth=3, alpha=0.35, zorder=2, solid_capstyle="butt")
     inside: dict[str, Any] = {} if dot.is_solid else {"markerfacecolor": "white"}
-    axes.plot([x], [ratio], zorder=4, **style.dot, **inside)
+    axes.plot([x], [ratio], zorder=5, **style.dot, **inside)
     for (low, high), colour in dot.whiskers:
-        axes.plot([x, x], [low, high], color=colour, linewidth=1.3, marker="_", markersize=6, zorder=5)
+        axes.plot([x, x], [low, high], color=colour, linewidth=1.6, zorder=4, gid="whisker")
     if dot.is_far:  # neighbours have no room for figures side by side
-        top = max([ratio, *(ends[1] for ends, _ in dot.whiskers)])
-        bottom = min([ratio, *(ends[0] for ends, _ in dot.whiskers)])
-        at, gap, side = (top, 6, "bottom") if ratio > 1 else (bottom, -6, "top")
+        (low, high) = dot.extent
+        at, gap, side = (high, 6, "bottom") if ratio > 1 else (low, -6, "top")
         axes.annotate(
             dot.label, (x, at), (0, gap), textcoords="offset points", rotation=90, fontsize=8, ha="center", va=side
         )

@@ -36,7 +36,7 @@ def about_part(part: Part) -> Iterator[str]:
             held, claimed = f"{memory.retained_bytes / 1e6:,.0f}", f"{memory.structure_bytes / 1e6:,.0f}"
             yield f"UNACCOUNTED MEMORY of {name}: its process holds {held} MB, its structure claims {claimed} MB."
     if few := fewer_than_asked(part):
-        yield f"FEWER THAN ASKED FOR: {few}."
+        yield f"Fewer than asked for, the model is too small: {few}."
     yield from _about_model(part)
     yield from _about_intervals(part)
     if items := _items(part):
