@@ -47,6 +47,9 @@ class Stage:
         name = self.contestant.name
         if name == "crashing-building" and not self.is_small:
             os.kill(os.getpid(), signal.SIGSEGV)
+        if name == "endless-building" and not self.is_small:
+            (HERE / "building").touch()
+            time.sleep(600)
         if name == "raising-building" and not self.is_small:
             raise ValueError("cannot stand")
         if name == "greedy-building" and not self.is_small:
@@ -106,6 +109,7 @@ class Scenario:
         stage, _ = subject
         name = stage.contestant.name
         stage.answers += 1
+        time.sleep(float(os.environ.get("SCRIPTED_PACE_S", 0)))  # somebody wants to see the run go on
         threads = int(os.environ["NUMBA_NUM_THREADS"])
         figures = {"count": outcome, "threads": threads, "sum": 0.5}
         if self.name == "second" and name == "wrong":
@@ -153,7 +157,8 @@ def misbehave(name: str) -> None:
                 bytearray(limit)  # more than is left of it
         case "closing":
             if not sys.stdout.closed:
-                sys.stdout.close()  # with the file below it
+                sys.stdout.close()
+                os.close(1)
         case "deaf":
             os.closerange(3, 100)
             time.sleep(600)
@@ -192,7 +197,7 @@ FAMILY = Family()
 NAMES = (
     "steady other third chatty lazy wrong raising crashing crashing-small leaving gone killed interrupting recursive"
     " hanging greedy closing deaf orphaning parenting unstable verbose mumbling threaded"
-    " heavy wasteful boasting crashing-building raising-building greedy-building"
+    " heavy wasteful boasting crashing-building endless-building raising-building greedy-building"
 )
 CONTESTANTS = [Contestant(name) for name in NAMES.split()]
 SCENARIOS = [Scenario("first"), Scenario("second"), Scenario("third"), Scenario("many", parallel=True)]

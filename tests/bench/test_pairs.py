@@ -32,7 +32,7 @@ def test_the_interval_of_21_turns():
 
 
 def test_too_few_pairs():
-    with pytest.raises(ValueError, match="needs 6 pairs at least, not 5"):
+    with pytest.raises(ValueError, match="needs 6 values at least, not 5"):
         paired_ratio([1.0] * 5, [2.0] * 5)
 
 

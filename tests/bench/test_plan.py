@@ -1,4 +1,4 @@
-"""What a plan says: turns in balance, effort, references, the command that repeats it."""
+"""What a plan says: turns in balance, effort, references, tasks, sweeps, the command that repeats it."""
 
 from collections import Counter
 from itertools import pairwise
@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from tetrabench.bench import Backend, Effort, Plan, Task, make_plan
-from tetrabench.bench.plan import williams_row
+from tests.bench.scripted import scripted_plan
+from tetrabench.bench import EFFORTS, Backend, Effort, Task, make_plan
+from tetrabench.bench.plan import control_of, model_of, parse_option, williams_row
 from tetrabench.errors import InputError
 
 
@@ -28,62 +29,165 @@ def test_an_even_number_of_names_follow_each_other_equally_often(count):
     assert len(pairs) == count * (count - 1)
 
 
-def scripted_plan(rounds=14, seed=0, chained=False):
-    return Plan(
-        family="scripted",
-        model="tiny",
-        path=Path("tiny"),
-        tasks=(Task("first", {}), Task("second", {})),
-        backends=tuple(Backend(name=f"v{k}", title="") for k in range(7)),
-        reference="v0",
-        effort=Effort(rounds, 3),
-        seed=seed,
-        chained=chained,
-    )
+def test_the_order_of_turns_is_balanced_over_launches_and_drawn_from_the_seed():
+    def orders(task=0, model="tiny", **more):
+        plan = scripted_plan(launches=7, rounds=2, **more)
+        names = [f"v{k}" for k in range(7)]
+        return [order for launch in range(7) for order in plan.orders(model, plan.tasks[task], launch, names)]
+
+    assert len(orders()) == 14
+    assert all(set(Counter(column).values()) == {2} for column in zip(*orders(), strict=True))
+    assert orders() == orders()
+    assert orders() != orders(task=1)
+    assert orders() != orders(model="large")
+    assert orders() != orders(seed=1)
 
 
-def test_the_order_of_turns_is_balanced_and_drawn_from_the_seed():
-    plan = scripted_plan()
-    orders = list(plan.orders(plan.tasks[0]))
-    assert all(set(Counter(column).values()) == {2} for column in zip(*orders, strict=True))
-    assert orders == list(plan.orders(plan.tasks[0]))
-    assert orders != list(plan.orders(plan.tasks[1]))
-    assert orders != list(scripted_plan(seed=1).orders(plan.tasks[0]))
+def test_a_group_of_one_and_of_nobody():
+    plan = scripted_plan(rounds=2)
+    assert list(plan.orders("tiny", plan.tasks[0], 0, ["v0"])) == [["v0"]] * 2
+    assert list(plan.orders("tiny", plan.tasks[0], 0, [])) == [[]] * 2
+
+
+@pytest.mark.parametrize(
+    ("text", "option"),
+    [
+        ("sweeps=10", ("sweeps", [10])),
+        ("alfa.sweeps=10,50", ("alfa.sweeps", [10, 50])),
+        ("sweeps= 1..4", ("sweeps", [1, 2, 3, 4])),
+        ("sweeps=3,1..3", ("sweeps", [3, 1, 2])),
+    ],
+)
+def test_options_of_scenarios(text, option):
+    assert parse_option(text) == option
+
+
+@pytest.mark.parametrize("text", ["sweeps", "sweeps=", "=3", "sweeps=a", "sweeps=1.5", "sweeps=-1", "sweeps=1,,2"])
+def test_options_that_are_none(text):
+    with pytest.raises(InputError, match=r"option '.*': write NAME=1,2,3 or NAME=1\.\.3"):
+        parse_option(text)
+
+
+def test_the_digest_of_a_model_is_that_of_its_file(tmp_path: Path):
+    (tmp_path / "a").write_bytes(b"abc" * 10**6)
+    (tmp_path / "b").write_bytes(b"abc" * 10**6)
+    (tmp_path / "c").write_bytes(b"abc" * 10**6 + b"d")
+    a, b, c = (model_of("m", tmp_path / name).digest for name in "abc")
+    assert a == b != c
+
+
+def plan_of(**asked):
+    return make_plan(asked.pop("model", "tiny"), family="scripted", **asked)
+
+
+FEW = ["steady", "other", "third"]
 
 
 @pytest.mark.usefixtures("plugin")
 class TestMakePlan:
     def test_defaults(self):
-        plan = make_plan("tiny", family="scripted")
-        assert plan.effort == Effort(5, 3)
+        plan = plan_of()
         assert plan.reference == "steady"
-        assert [task.scenario for task in plan.tasks] == ["first", "second", "third"]
+        assert [task.scenario for task in plan.tasks] == ["first", "second", "third", "many"]
+        assert [task.parallel for task in plan.tasks] == [False, False, False, True]
         assert plan.tasks[0].options == {"count": 2}
+        assert plan.backends[-1] == control_of(plan.backends[0])
+        assert [backend.against for backend in plan.backends] == ["steady"] * len(plan.backends)
+        assert plan.has_memory
+        assert plan.has_yardsticks
         assert plan.command == "tetrabench run --model tiny --family scripted"
 
-    def test_quick_thesis_and_rounds(self):
-        assert make_plan("tiny", family="scripted", quick=True).effort == Effort(3, 1)
-        assert make_plan("tiny", family="scripted", rounds=2).effort == Effort(2, 2)
-        thesis = make_plan("tiny", family="scripted", thesis=True, scenarios=["second", "third"])
+    def test_the_default_has_launches_enough_for_an_interval_whoever_takes_part(self):
+        assert plan_of(backends=FEW).effort == EFFORTS["default"]
+        assert plan_of().effort.launches == 11 > EFFORTS["default"].launches
+        assert plan_of(profile="rigorous").effort.launches == 12
+        assert plan_of(launches=2).effort.launches == 2
+
+    def test_profiles(self):
+        quick = plan_of(profile="quick")
+        assert quick.effort == Effort(launches=3, rounds=3, hopeless_rounds=1)
+        assert plan_of(profile="quick", launches=4, rounds=2).effort == Effort(launches=4, rounds=2, hopeless_rounds=1)
+        thesis = plan_of(profile="thesis", scenarios=["second", "third"])
         assert thesis.chained
-        assert thesis.effort.rounds == 1
+        assert (thesis.effort.launches, thesis.effort.rounds) == (1, 1)
         assert [task.scenario for task in thesis.tasks] == ["third", "second"]
         assert thesis.tasks[0].options == {"count": 20}
-        with pytest.raises(InputError, match="one round"):
-            make_plan("tiny", family="scripted", thesis=True, rounds=2)
-        with pytest.raises(InputError, match="at least one"):
-            make_plan("tiny", family="scripted", rounds=0)
+        check = plan_of(profile="check")
+        assert not check.has_memory
+        assert not check.has_yardsticks
+        for plan in (thesis, check):
+            assert not [backend for backend in plan.backends if backend.control]
+        with pytest.raises(InputError, match="not in the thesis: many"):
+            plan_of(profile="thesis", scenarios=["many"])
+
+    @pytest.mark.parametrize("what", ["launches", "rounds"])
+    def test_effort_that_makes_no_sense(self, what):
+        with pytest.raises(InputError, match=f"{what}: the thesis profile has one"):
+            plan_of(profile="thesis", **{what: 2})
+        with pytest.raises(InputError, match=f"{what}: 0; at least one is needed"):
+            plan_of(**{what: 0})
 
     def test_the_first_backend_is_the_reference_where_the_familys_is_not_there(self):
-        assert make_plan("tiny", family="scripted", backends=["third", "other"]).reference == "third"
-        assert make_plan("tiny", family="scripted", backends=["third", "steady"]).reference == "steady"
-        with pytest.raises(InputError, match="'steady' is not among"):
-            make_plan("tiny", family="scripted", backends=["third"], reference="steady")
+        assert plan_of(backends=["third", "other"]).reference == "third"
+        assert plan_of(backends=["third", "steady"]).reference == "steady"
+        plan = plan_of(backends=["third", "steady"], reference="third")
+        assert [(one.name, one.against, one.contestant) for one in plan.backends] == [
+            ("third", "third", "third"),
+            ("steady", "third", "steady"),
+            ("third control", "third", "third"),
+        ]
+        with pytest.raises(InputError, match="'steady' is not among the backends: third"):
+            plan_of(backends=["third"], reference="steady")
+        with pytest.raises(InputError, match="no scenario to run"):
+            plan_of(scenarios=[])
+
+    def test_a_backend_named_twice_takes_part_once(self):
+        assert [one.name for one in plan_of(backends=["steady", "steady"]).backends] == ["steady", "steady control"]
+
+    def test_sweeps_over_sizes(self):
+        plan = plan_of(tets=[100, 300, 100])
+        assert {name: path.name for name, path in plan.models.items()} == {
+            "tiny-100": "model-100",
+            "tiny-300": "model-300",
+        }
+        assert {name: path.name for name, path in plan_of(tets=[100]).models.items()} == {"tiny": "model-100"}
+
+    def test_sweeps_over_options(self):
+        plan = plan_of(scenarios=["first", "second"], options={"first.count": [3, 5], "count": [7]})
+        assert [(task.name, task.options) for task in plan.tasks] == [
+            ("first", {"count": 7}),  # what is said last
+            ("second", {"count": 7}),
+        ]
+        plan = plan_of(scenarios=["first", "second"], options={"first.count": [3, 5]})
+        assert plan.tasks == (
+            Task(name="first count=3", scenario="first", options={"count": 3}),
+            Task(name="first count=5", scenario="first", options={"count": 5}),
+            Task(name="second", scenario="second", options={"count": 2}),
+        )
+        with pytest.raises(InputError, match=r"no scenario has the option third\.count; there are: first\.count, sec"):
+            plan_of(scenarios=["first", "second"], options={"third.count": [3]})
+        with pytest.raises(InputError, match="first: counts are 1 at least"):
+            plan_of(options={"count": [0]})
 
     def test_the_command_repeats_the_run_and_names_no_folder(self):
-        plan = make_plan("/home/somebody/my file", family="scripted", backends=["third", "other"], quick=True, seed=7)
-        assert plan.model == "my file"
+        plan = plan_of(model="/home/somebody/my file", backends=["third", "other"], profile="quick", seed=7)
+        assert list(plan.models) == ["my file"]
         assert plan.command == (
             "tetrabench run --model 'my file' --family scripted --backend third,other"
             " --reference third --quick --seed 7"
         )
+        plan = plan_of(
+            tets=[10, 20], options={"count": [1, 2], "first.count": [3]}, launches=2, budget_s=600.0, timeout_s=1.5
+        )
+        assert plan.command == (
+            "tetrabench run --model tiny --family scripted --launches 2 --tets 10,20"
+            " --option count=1,2 --option first.count=3 --budget 600 --timeout 1.5"
+        )
+        assert (plan.budget_s, plan.timeout_s) == (600.0, 1.5)
+
+
+def test_a_control_is_a_second_copy():
+    backend = Backend(name="v3y", contestant="v3y", title="t", against="v3y", extension=True)
+    control = control_of(backend)
+    assert (control.name, control.against, control.control) == ("v3y control", "v3y", True)
+    assert (control.contestant, control.title) == ("v3y", "t")

@@ -504,7 +504,7 @@ def test_pairs_are_those_of_a_group():
 def test_the_first_launches_begin_with_measuring_their_core():
     game = Play()
     results = game.run(scripted_plan(launches=5, has_yardsticks=True))
-    assert [launch.yardsticks is not None for launch in results.launches] == [True] * GAUGED + [False] * 2
+    assert [launch.yardsticks is not None for launch in results.launches] == [True] * GAUGED + [False] * (5 - GAUGED)
     gaugers = [worker for worker in game.workers if len(worker.cores) == 1 and worker.visits == 0]
     assert [worker.cores for worker in gaugers] == [[{launch.core}] for launch in results.launches[:GAUGED]]
 
