@@ -290,7 +290,7 @@ def test_a_whole_run_in_a_process_of_its_own(tmp_path: Path):
     words = (*RUN, "--backend", "v3y,v5y", "--scenario", "alfa,free", "--quick", "-o", str(output))
     done = in_process("-m", "tetrabench", *words)
     assert done.returncode == 0, done.stdout + done.stderr
-    assert "All 2 contestants gave the same answers: 2 scenarios, one digest each." in done.stdout
+    assert "Both contestants gave the same answers: 2 scenarios, one digest each." in done.stdout
     assert not set("\r\x1b") & set(done.stdout + done.stderr)
     assert [model["name"] for model in json.loads(output.read_bytes())["models"]] == ["box"]
     frame = tetrabench.load_results(output)

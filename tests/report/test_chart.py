@@ -1,4 +1,4 @@
-"""The charts: files that can be opened, intervals, bars that are cut where they dwarf others, looks that stay."""
+"""The charts: files that can be opened, ratios with their intervals, what is missing, looks that stay."""
 
 from pathlib import Path
 
@@ -7,14 +7,16 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.image import imread
-from matplotlib.patches import Polygon, Rectangle
+from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
+from matplotlib.text import Text
 
 from tests.report.made import SECONDS, change, make_backend, make_control, make_memory, make_results, make_sweep
-from tetrabench.bench.record import Results
+from tetrabench.bench.record import Results, Task
 from tetrabench.bench.statistics import ALIKE, CLEAR, summary
 from tetrabench.errors import InputError
-from tetrabench.report.bars import CONTROL
 from tetrabench.report.chart import draw_charts, draw_growth, draw_memory, draw_times
+from tetrabench.report.dots import CONTROL, FAR
 from tetrabench.report.parts import make_parts
 from tetrabench.report.style import EDGE, make_styles
 
@@ -31,10 +33,6 @@ def panels_of_memory(results: Results) -> list[Axes]:
     return draw_memory(part).axes
 
 
-def cuts(axes: Axes) -> int:
-    return sum(isinstance(patch, Polygon) and not isinstance(patch, Rectangle) for patch in axes.patches)
-
-
 def words(axes: Axes) -> list[str]:
     return [text.get_text() for text in axes.texts]
 
@@ -43,17 +41,29 @@ def bars(axes: Axes) -> list[Rectangle]:
     return [bar for container in axes.containers for bar in container]
 
 
+def dots(axes: Axes) -> list[Line2D]:
+    return [line for line in axes.lines if line.get_marker() not in ("None", None)]
+
+
+def ratios(axes: Axes) -> list[float]:
+    return [float(dot.get_ydata()[0]) for dot in dots(axes)]
+
+
 def whiskers(axes: Axes, colour: str = EDGE) -> list[tuple[float, float]]:
-    lines = [line for line in axes.lines if line.get_marker() == "_" and line.get_color() == colour]
+    lines = [line for line in axes.lines if line.get_gid() == "whisker" and line.get_color() == colour]
     return [tuple(map(float, line.get_ydata())) for line in lines]
 
 
-def is_hollow(bar: Rectangle) -> bool:
-    return bar.get_facecolor()[:3] == (1.0, 1.0, 1.0)
+def is_hollow(dot: Line2D) -> bool:
+    return dot.get_markerfacecolor() == "white"
+
+
+def all_words(figure: Figure) -> list[str]:
+    return [text.get_text() for text in figure.findobj(Text)]
 
 
 def caption(figure: Figure) -> str:
-    (text,) = (text.get_text() for part in figure.subfigs for text in part.texts if "tetras" in text.get_text())
+    (text,) = (text.get_text() for part in figure.subfigs for text in part.texts if "Python" in text.get_text())
     return text.replace("\n", " ")
 
 
@@ -83,11 +93,19 @@ def test_each_model_and_each_reference_has_charts_of_its_own(tmp_path: Path):
     assert names == ["times-v3y.png", "memory-v3y.png", "times-v4-base.png", "memory-v4-base.png"]
 
 
-def test_a_dwarfing_bar_is_cut_and_labelled():
+def test_each_ratio_is_a_dot_where_it_is_on_a_logarithmic_axis():
+    (axes,) = panels_of_times(make_results({"flow": {"v3y": 1.0, "v4": 2.0, "v5": 0.5, "v3": 500.0}}, wobble=0.0))
+    assert ratios(axes) == pytest.approx([1.0, 2.0, 0.5, 500.0])
+    assert axes.get_yscale() == "log"
+    stems = [tuple(line.get_ydata()) for line in axes.lines if len(line.get_ydata()) == 2 and line.get_alpha()]
+    assert stems == [pytest.approx((1.0, ratio)) for ratio in ratios(axes)]  # as long as it is far from 1
+
+
+def test_what_is_far_from_1_carries_its_figure():
     (axes,) = panels_of_times(make_results(wobble=0.0))
-    assert words(axes) == ["711x", "709x", "28x", "199x"]
-    assert cuts(axes) == 4
-    assert max(bar.get_height() for bar in bars(axes)) < 5
+    assert words(axes) == ["711x", "709x", "28x", "199x", "1.9x", "1.8x", "1.8x", "1.8x", "1.5x", "3.5x"]
+    (axes,) = panels_of_times(make_results({"flow": {"v3y": 1.0, "v4": FAR - 0.01, "v5": 0.2}}, wobble=0.0))
+    assert words(axes) == ["0.20x"]
 
 
 def test_a_bound_is_labelled_as_one():
@@ -95,10 +113,15 @@ def test_a_bound_is_labelled_as_one():
     assert words(axes) == [">48x"]
 
 
-def test_where_no_bar_dwarfs_none_is_cut():
-    (axes,) = panels_of_times(make_results({"flow": {"v3y": 1.0, "v4": 3.9}}))
-    assert words(axes) == []
-    assert cuts(axes) == 0
+@pytest.mark.parametrize("extreme", [1e-4, 0.1, 3.0, 50.0, 1e5])
+def test_all_figures_have_room(extreme: float):
+    (part,) = make_parts(make_results({"flow": {"v3y": 1.0, "v4": extreme}}, wobble=0.1))
+    figure = draw_times(part)
+    figure.draw_without_rendering()
+    (axes,) = figure.axes
+    box, inner = axes.texts[0].get_window_extent(), axes.get_window_extent()
+    assert inner.y0 <= box.y0 < box.y1 <= inner.y1
+    assert 2 <= sum(inner.y0 <= axes.transData.transform((0, tick))[1] <= inner.y1 for tick in axes.get_yticks()) <= 14
 
 
 def test_whiskers_are_the_intervals_and_the_grey_one_the_controls():
@@ -120,33 +143,49 @@ def test_whiskers_stay_in_the_picture():
 def test_what_is_not_ranked_is_hollow():
     results = make_results({"flow": {"v3y": 1.0, "v4": 2.0, "v5": 1.0, "v3": 1.06}}, wobble=0.1)
     (axes,) = panels_of_times(results)
-    assert [is_hollow(bar) for bar in bars(axes)] == [False, False, True, True]  # unclear, both
+    assert [is_hollow(dot) for dot in dots(axes)] == [False, False, True, True]  # unclear, both
     (axes,) = panels_of_times(make_results({"flow": {"v3y": 1.0, "v4": 2.0, "v5": 4.0}}, launches=2))
-    assert [is_hollow(bar) for bar in bars(axes)] == [False, True, False]  # a hint
+    assert [is_hollow(dot) for dot in dots(axes)] == [False, True, False]  # a hint
 
 
 def test_the_band_is_where_nothing_is_ranked():
     def band(axes: Axes) -> tuple[float, float]:
-        (patch,) = (patch for patch in axes.patches if patch not in bars(axes))
+        (patch,) = axes.patches
         return patch.get_y(), patch.get_y() + patch.get_height()
 
     (axes,) = panels_of_times(make_results(TWO))
     assert band(axes) == pytest.approx((1 / ALIKE, ALIKE))
     (axes,) = panels_of_times(make_results(TWO, launches=2))
     assert band(axes) == pytest.approx((1 / CLEAR, CLEAR))
+    (axes,) = panels_of_times(make_results({"flow": {"v3y": 1.0}}))
+    assert not axes.patches  # nobody to compare
 
 
 @pytest.mark.parametrize(
     ("status", "word"),
     [("wrong-result", "wrong"), ("crash", "crashed"), ("oom", "no memory"), ("skipped", "skipped")],
 )
-def test_no_bar_for_a_bad_cell(status: str, word: str):
-    results = make_results(TWO)
-    (axes,) = panels_of_times(results)
-    before = len(axes.containers)
-    (axes,) = panels_of_times(change(results, "flow", "v4", status=status))
+def test_no_dot_for_a_bad_cell(status: str, word: str):
+    (axes,) = panels_of_times(change(make_results(TWO), "flow", "v4", status=status))
     assert words(axes) == [word]
-    assert len(axes.containers) == before - 1
+    assert ratios(axes) == [1.0]
+
+
+def test_what_is_missing_is_a_word():
+    results = make_results({"flow": {"v3y": 1.0, "v4": 2.0}, "alfa": {"v3y": 1.0}}, ended="interrupted")
+    (part,) = make_parts(results)
+    times, memory = draw_times(part), draw_memory(part)
+    assert words(times.axes[0]) == ["2.0x", "missing"]
+    for figure in (times, memory, draw_growth(results, summary(results))):
+        assert "Interrupted: samples are missing." in all_words(figure)
+    assert "interrupted" not in " ".join(all_words(draw_times(make_parts(make_results())[0]))).lower()
+    half = make_results(
+        TWO,
+        memory=[make_memory("v3y")],
+        ended="interrupted",
+        backends=[make_backend("v3y"), make_backend("v4", structure={})],
+    )
+    assert words(panels_of_memory(half)[0]) == ["236", "missing"]
 
 
 def test_many_tasks_stand_in_rows_of_one_scale():
@@ -164,8 +203,8 @@ def test_axes_say_what_they_show():
     assert structure.get_ylabel() == "bytes a tetra"
     assert [axes.get_title() for axes in (structure, retained, peak)] == [
         "fresh structure",
-        "retained by its process",
-        "peak while it is built",
+        "retained by its process, to about 1 %",
+        "peak while it is built, to about 1 %",
     ]
     assert words(structure) == ["236", "236", "236", "252", "236", "236", "236"]
     assert words(peak)[3] == "277"
@@ -186,7 +225,59 @@ def test_caption_names_model_machine_day_and_what_whiskers_are():
             assert fact in caption(figure)
     assert "intervals that hold with" in caption(draw_times(part))
     (part,) = make_parts(make_results(launches=2))
-    assert "too few for intervals" in caption(draw_times(part))
+    assert "Too few launches for intervals; whiskers: their range" in caption(draw_times(part))
+
+
+@pytest.mark.parametrize(
+    ("note", "results"),
+    [
+        ("Hollow", make_results(TWO, launches=2)),
+        ("Grey whiskers", make_results(TWO)),
+        ("grey band", make_results(TWO)),
+        ("whiskers: their range", make_results(TWO, launches=2)),
+        ("One launch", make_results(TWO, launches=1)),
+        ("not from the source", make_results(TWO, backends=[make_backend("v3y"), make_backend("v4", extension=True)])),
+        (
+            "Fewer than asked for",
+            make_results(TWO, tasks=[Task(name="flow", scenario="flow", options={"tetras": 10**9})]),
+        ),
+    ],
+)
+def test_a_note_stands_only_where_it_is_true(note: str, results: Results):
+    (part,) = make_parts(results)
+    assert note in caption(draw_times(part))
+    if "source" not in note:
+        assert note not in caption(draw_memory(part))
+        (alone,) = make_parts(make_results({"flow": {"v3y": 1.0}}, backends=[make_backend("v3y")]))
+        assert note not in caption(draw_times(alone))
+
+
+def test_an_extension_has_its_asterisk_in_each_chart():
+    backends = [make_backend("v3y"), make_backend("halfface", extension=True)]
+    results = make_results({"flow": {"v3y": 1.0, "halfface": 2.0}}, backends=backends)
+    (part,) = make_parts(results)
+    for figure in (draw_times(part), draw_memory(part), draw_growth(results, summary(results))):
+        assert "halfface*: another layout, other slots" in all_words(figure)
+        assert "A name with a * is not from the source." in caption(figure)
+    assert [one.get_text() for one in draw_memory(part).axes[0].get_xticklabels()] == ["v3y", "halfface*"]
+
+
+@pytest.mark.parametrize("extra", ["half faces, flag + list", "a layout with a title " + "that goes on and on " * 9])
+def test_all_words_stay_in_the_picture(extra: str):
+    seconds = {
+        "flow": {**SECONDS["flow"], "halfface": 1.7, "other": 2.0},
+        "a-task-with-a-long-name with=100": {"v3y": 1.0},
+    }
+    backends = [*map(make_backend, SECONDS["flow"]), make_backend("halfface", title=extra), make_backend("other")]
+    results = make_results(seconds, backends=backends, model="a model of a long name " * 6)
+    (part,) = make_parts(results)
+    for figure in (draw_times(part), draw_memory(part), draw_growth(results, summary(results))):
+        figure.draw_without_rendering()
+        for text in figure.findobj(Text):
+            if text.get_text() and "$" not in text.get_text():  # ticks beyond the ends of an axis are not drawn
+                box = text.get_window_extent()
+                assert figure.bbox.x0 <= box.x0 <= box.x1 <= figure.bbox.x1, text
+                assert figure.bbox.y0 <= box.y0 <= box.y1 <= figure.bbox.y1, text
 
 
 def test_growth_has_a_panel_a_task_and_a_line_a_contestant():
@@ -209,6 +300,7 @@ def test_a_contestant_looks_the_same_whoever_takes_part():
     assert two == {name: everybody[name] for name in ("v3y", "v5")}
     patches = [(style.paint["facecolor"], style.paint["hatch"]) for style in everybody.values()]
     assert len(set(patches)) == 7
+    assert len({(style.dot["color"], style.dot["marker"]) for style in everybody.values()}) == 7
     lines = [(style.line["linestyle"], style.line["marker"]) for style in everybody.values()]
     assert len(set(lines)) == 7  # without colour
     hatches = [

@@ -13,6 +13,10 @@ WORDS = {
 """Of verdicts that would be too long for a cell; all others are their own word."""
 
 
+MISSING = "missing"
+"""Of a cell that has no samples."""
+
+
 def ratio_of(row: Row) -> str:
     """1.4x, >43x where it is only known to be more, ~1 where it is the same, 1.3? where that is only a hint."""
     if row.ratio is None or row.low is None or row.high is None:
@@ -32,7 +36,9 @@ def interval_of(row: Row) -> str:
         return ratio_of(row)
     if row.verdict in ("faster", "slower", "same", "control"):
         return span(row.low, row.high)
-    return f"{span(row.low, row.high)}?" if row.verdict in ("about", "inconclusive") else word_of(row)
+    if row.verdict not in ("about", "inconclusive"):
+        return word_of(row)
+    return f"{span(row.low, row.high)}?" if row.low < row.high else ratio_of(row)
 
 
 def word_of(row: Row) -> str:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 from tetrabench.bench.record import Results
 from tetrabench.bench.statistics import BAD, summary
-from tetrabench.report.notes import ENDS
+from tetrabench.report.notes import about_end
 from tetrabench.report.table import as_markdown
 
 
@@ -38,7 +38,7 @@ def _annotations(results: Results) -> Iterator[str]:
             )
             yield annotation("warning", "tetrabench: unaccounted memory", f"{cell}: {claim}")
     if results.ended:
-        yield annotation("warning", "tetrabench: ended early", ENDS.get(results.ended, results.ended))
+        yield annotation("warning", "tetrabench: ended early", about_end(results))
 
 
 def annotation(level: str, title: str, message: str) -> str:

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from tetrabench.bench.record import Memory
+from tetrabench.report.cells import MISSING
 from tetrabench.report.parts import Part
 
 Sizes = dict[str, float | str]  # contestant -> bytes an item, or the word that stands where no figure may
@@ -22,8 +23,7 @@ def memory_of(part: Part) -> dict[str, Sizes]:
         "retained": lambda one: one.retained_bytes,
         "peak": lambda one: one.peak_bytes,
     }
-    items = next(iter(part.model.size.values()), 0)
-    sizes = {kind: _sizes(measured, bytes_of, items) for kind, bytes_of in kinds.items()}
+    sizes = {kind: _sizes(part, measured, bytes_of) for kind, bytes_of in kinds.items()}
     return {kind: known for kind, known in sizes.items() if any(isinstance(size, float) for size in known.values())}
 
 
@@ -39,12 +39,16 @@ def memories(part: Part) -> dict[str, Memory]:
     return known | {one.backend: one for one in part.results.memory if one.model == model and one.backend in names}
 
 
-def _sizes(measured: dict[str, Memory], bytes_of: Callable[[Memory], int | None], items: int) -> Sizes:
+def _sizes(part: Part, measured: dict[str, Memory], bytes_of: Callable[[Memory], int | None]) -> Sizes:
     sizes: Sizes = {}
-    for name, memory in measured.items():
-        size = bytes_of(memory)
-        if memory.status != "ok":
-            sizes[name] = _ENDS.get(memory.status, "failed")
+    items = next(iter(part.model.size.values()), 0)
+    for backend in part.backends:
+        memory = measured.get(backend.name)
+        size = bytes_of(memory) if memory else None
+        if memory is not None and memory.status != "ok":
+            sizes[backend.name] = _ENDS.get(memory.status, "failed")
         elif size is not None and items:
-            sizes[name] = size / items
+            sizes[backend.name] = size / items
+        else:
+            sizes[backend.name] = MISSING if part.results.ended else "no figure"
     return sizes

@@ -14,42 +14,52 @@ ENDS = {
     "interrupted": "Interrupted: samples are missing.",
     "budget": "The budget of time was used up: samples are missing.",
 }
+FOREIGN = "A name with a * is not from the source."
 COUNTED = ("samples", "preparing", "compiling")
 """Phases of a launch that a run is for; all others are overhead."""
 
 
 def about_part(part: Part) -> Iterator[str]:
-    """What is to be said of one table."""
+    """What is to be said of one table: first what spoils it."""
+    if part.results.ended:
+        yield _about_launches(part)
     yield _about_answers(part)
     yield from _about_reasons(part)
     if part.results.profile == "check":
+        yield from _about_model(part)
         return
     yield from _about_controls(part)
-    yield from _about_intervals(part)
     for name, memory in memories(part).items():
         if memory.status != "ok":
             yield f"Memory of {name}: {memory.status}: {' '.join(memory.reason.split())}"
         elif not memory.is_accounted and memory.retained_bytes is not None:
             held, claimed = f"{memory.retained_bytes / 1e6:,.0f}", f"{memory.structure_bytes / 1e6:,.0f}"
             yield f"UNACCOUNTED MEMORY of {name}: its process holds {held} MB, its structure claims {claimed} MB."
+    if few := fewer_than_asked(part):
+        yield f"Fewer than asked for, the model is too small: {few}."
+    yield from _about_model(part)
+    yield from _about_intervals(part)
+    if items := _items(part):
+        yield f"An item is {items}."
 
 
 def about_run(results: Results, rows: Sequence[Row], grown: Sequence[Growth], intervals: bool) -> Iterator[str]:
-    """What is to be said of all tables."""
+    """What is to be said of all tables: what the figures are, then what ran where."""
+    if results.ended and not results.models:
+        yield about_end(results)
     if results.profile != "check":
         yield from _about_signs(results, rows, intervals)
-        if items := _items(results):
-            yield f"An item is {items}."
         yield from _about_memory(results)
-        yield from _about_yardsticks(results.launches, any(row.share_of_limit for row in rows))
+        if any(row.share_of_limit for row in rows):
+            yield "Bandwidth: the least traffic that a task needs with memory, over its time and triad's; beyond 100 %: caches."
         if grown and all(one.exponent is None for one in grown):
             yield f"Growth with size: {grown[0].reason}."
-        yield from _about_time(results)
     if any(backend.extension for backend in results.backends):
-        yield "Names with a * are not from the source."
+        yield FOREIGN
+    if results.profile != "check":
+        yield from _about_yardsticks(results.launches)
+        yield from _about_time(results)
     yield f"{about_machine(results)}: {results.command}"
-    if results.ended:
-        yield ENDS.get(results.ended, f"Ended early ({results.ended}): samples are missing.")
 
 
 def about_growth(grown: Iterable[Growth]) -> Iterator[str]:
@@ -67,6 +77,34 @@ def about_machine(results: Results) -> str:
     return ", ".join([results.started[:10], *(str(fact) for fact in facts if fact)])
 
 
+def about_end(results: Results) -> str:
+    """Why samples are missing, "" where none are."""
+    return results.ended and ENDS.get(results.ended, f"Ended early ({results.ended}): samples are missing.")
+
+
+def fewer_than_asked(part: Part) -> str:
+    """Tasks whose model is too small for their counts: "10,044 of 20,000 deletions in delete"."""
+    return "; ".join(
+        f"{done:,} of {task.options[unit]:,} {unit} in {task.name}"
+        for task in part.results.tasks
+        for unit, done in [_work(part, task.name)]
+        if done < task.options.get(unit, 0)
+    )
+
+
+def _about_launches(part: Part) -> str:
+    """Which tasks miss launches."""
+    tasks: dict[int, list[str]] = {}
+    for task, launches in part.launches.items():
+        tasks.setdefault(launches, []).append(task)
+    begun = "; ".join(f"{number or 'none'} in {', '.join(names)}" for number, names in tasks.items())
+    return f"{about_end(part.results)} Of {plural(part.results.effort.launches, 'launch')} were begun: {begun}."
+
+
+def _about_model(part: Part) -> Iterator[str]:
+    yield from (f"model: {' '.join(note.split())}" for note in part.model.notes)
+
+
 def _about_answers(part: Part) -> str:
     everybody = [*part.rows.values(), *part.controls.values()]
     wrong = list(dict.fromkeys(row.task for row in everybody if row.verdict == "wrong"))
@@ -75,9 +113,15 @@ def _about_answers(part: Part) -> str:
     compared = [task for task in part.tasks if _said(part, task) > 1]
     if not compared:
         return "Answers: none compared, for that at least two contestants have to end well."
-    everyone = all(row.status == "ok" for row in part.rows.values())
-    who = f"All {len(part.backends)} contestants" if everyone else "All contestants that ended"
-    return f"{who} gave the same answers: {plural(len(compared), 'scenario')}, one digest each."
+    whole = len(part.rows) == len(part.tasks) * len(part.backends)
+    everyone = "Both" if len(part.backends) == 2 else f"All {len(part.backends)}"
+    who = (
+        f"{everyone} contestants"
+        if whole and all(row.status == "ok" for row in part.rows.values())
+        else "All that ended"
+    )
+    each = ", one digest each" if len(compared) > 1 else ""
+    return f"{who} gave the same answers: {plural(len(compared), 'scenario')}{each}."
 
 
 def _said(part: Part, task: str) -> int:
@@ -127,71 +171,72 @@ def _about_intervals(part: Part) -> Iterator[str]:
 def _about_signs(results: Results, rows: Sequence[Row], intervals: bool) -> Iterator[str]:
     """What the figures are, and each sign that occurs."""
     verdicts = {row.verdict for row in rows}
-    wall = list(dict.fromkeys(row.task for row in rows if row.clock == "wall"))
-    clock = f"CPU time, in {', '.join(wall)} wall time" if wall else "CPU time"
+    bounds = {row.verdict for row in rows if row.is_bound}
+    once = max((row.launches for row in rows), default=1) == 1
+    middle = "" if max((row.samples for row in rows), default=1) == 1 else ", median"
     yield (
-        f"Figures: {clock} as a multiple of the reference's in the same round, median over launches (less is better)"
-        + ("; here the ends of the interval." if intervals else ".")
+        f"Figures: {about_clock(rows)} as a multiple of the reference's in the same round{middle}; less is better."
+        + (" Here the ends of the interval." if intervals and not once else "")
     )
-    signs = {
-        "ranked, its interval excludes 1 (sign test over launches, 95 % for all of a scenario together)": (
+    bound = f"one launch, beyond {CLEAR:g}x" if once else "in every launch"
+    signs = [
+        (
             "1.02-1.06" if intervals else "1.4x",
+            "ranked, its interval excludes 1 (sign test over launches, 95 % for all of a scenario together)",
             any(row.verdict in ("faster", "slower") and not row.is_bound for row in rows),
         ),
-        f"all of the interval is within {percent(ALIKE - 1)} of 1": ("~1", "same" in verdicts and not intervals),
-        "in every launch more than so many times": (
-            ">43x",
-            any(row.is_bound for row in rows if row.verdict == "slower"),
-        ),
-        "in every launch less than so many times": (
-            "<0.2x",
-            any(row.is_bound for row in rows if row.verdict == "faster"),
-        ),
-        "the interval does not say which is faster": (
+        ("~1", f"all of the interval is within {percent(ALIKE - 1)} of 1", "same" in verdicts and not intervals),
+        (">43x", f"slower, at least so many times ({bound})", "slower" in bounds),
+        ("<0.2x", f"faster, so many times at most ({bound})", "faster" in bounds),
+        (
             "0.97-1.12?" if intervals else "unclear",
+            "the interval does not say which is faster",
             "inconclusive" in verdicts,
         ),
-        f"a hint, not ranked: launches are too few for an interval, and not all beyond {CLEAR:g}x": (
-            "1.2-1.4?" if intervals else "1.3?",
+        (
+            "1.2-1.4?" if intervals and not once else "1.3?",
+            f"a hint, not ranked: {'one launch' if once else 'too few launches for an interval'}, not beyond {CLEAR:g}x",
             "about" in verdicts,
         ),
-        f"under {duration(SHORTEST_S)}, says nothing": ("too short", "too short" in verdicts),
-        "the contestant cannot do that": ("cannot", "unsupported" in verdicts),
-    }
-    if said := [f"{sign}: {meaning}" for meaning, (sign, occurs) in signs.items() if occurs]:
+        ("too short", f"under {1e3 * SHORTEST_S:g} ms, says nothing", "too short" in verdicts),
+        ("cannot", "the contestant cannot do that", "unsupported" in verdicts),
+    ]
+    if said := [f"{sign}: {meaning}" for sign, meaning, occurs in signs if occurs]:
         yield "Signs: " + ". ".join(said) + "."
     if intervals and any(row.control for row in rows):
         yield "In the column of the reference: a second copy of it."
 
 
+def about_clock(rows: Iterable[Row]) -> str:
+    """Which time the figures are."""
+    wall = list(dict.fromkeys(row.task for row in rows if row.clock == "wall"))
+    return f"CPU time, in {', '.join(wall)} wall time" if wall else "CPU time"
+
+
 def _about_memory(results: Results) -> Iterator[str]:
-    if results.memory:
-        yield (
-            "Structure: used bytes of all buffers of the fresh structure, exact. Retained: private memory that its "
-            "process has more once it stands. Peak: at most while it is built."
-        )
-    elif any(backend.structure for backend in results.backends):
+    if results.memory or any(backend.structure for backend in results.backends):
         yield "Structure: used bytes of all buffers of the fresh structure, exact."
-    if any(backend.compile_s for backend in results.backends):
+    if any(one.retained_bytes or one.peak_bytes for one in results.memory):
         yield (
-            "Compiling: in a first run, where whoever comes first also compiles what all share; later, loading what was "
-            "compiled."
+            "Retained: private memory that its process has more once it stands. Peak: at most meanwhile. "
+            "~: to about 1 %, so much differs between equal runs."
         )
+    if any(backend.compile_s for backend in results.backends):
+        yield "Compiling: whoever comes first compiles what all share; in later runs it is loading."
 
 
-def _about_yardsticks(launches: Sequence[Launch], has_shares: bool) -> Iterator[str]:
+def _about_yardsticks(launches: Sequence[Launch]) -> Iterator[str]:
     known = [launch.yardsticks for launch in launches if launch.yardsticks]
     if not known:
         return
     copy = median(one.copy_gb_s for one in known)
     triad = median(one.triad_gb_s for one in known)
     latency = median(one.latency_ns for one in known)
+    middle = f", median over {len(known)} launches" if len(known) > 1 else ""
     yield (
         f"The machine: copy {digits(copy)} GB/s, triad {digits(triad)} GB/s, a random access {digits(latency)} ns "
-        f"(one core, median over {plural(len(known), 'launch')})."
+        f"(one core{middle})."
     )
-    if has_shares:
-        yield "Bandwidth: the least traffic that a task needs with memory, over its time and triad's; beyond 100 %: caches."
 
 
 def _about_time(results: Results) -> Iterator[str]:
@@ -207,17 +252,28 @@ def _about_time(results: Results) -> Iterator[str]:
         ]
         overhead = sum(seconds for phase, seconds in phases.items() if phase not in COUNTED) / total
         took = f"{duration(results.elapsed_s)} in all, " if results.elapsed_s else ""
-        yield (
-            f"Time: {took}{duration(total)} in launches: {', '.join(shares)}. {percent(overhead)} is overhead: neither samples "
-            "nor their preparation nor compiling."
-        )
+        yield f"Time: {took}{duration(total)} in launches: {', '.join(shares)}; {percent(overhead)} is overhead."
 
 
-def _items(results: Results) -> str:
-    """What the work of the scenarios is counted in: "a tetra (init, free), a split (explode)"."""
-    scenarios = {task.name: task.scenario for task in results.tasks}
-    users: dict[str, dict[str, None]] = {}
-    for task, unit in dict.fromkeys((one.task, one.unit) for one in results.samples if one.unit):
-        if task in scenarios:
-            users.setdefault(unit, {})[scenarios[task]] = None
-    return ", ".join(f"a {singular(unit)} ({', '.join(names)})" for unit, names in users.items())
+def _items(part: Part) -> str:
+    """What the work of the tasks is counted in, and how much they did: "a split (50,000 in explode)"."""
+    units: dict[str, dict[int, list[str]]] = {}
+    for task in part.tasks:
+        unit, done = _work(part, task)
+        if unit:
+            units.setdefault(unit, {}).setdefault(done, []).append(task)
+    done_in = {
+        unit: "; ".join(f"{done:,} in {', '.join(tasks)}" for done, tasks in counts.items())
+        for unit, counts in units.items()
+    }
+    return ", ".join(f"a {singular(unit)} ({counts})" for unit, counts in done_in.items())
+
+
+def _work(part: Part, task: str) -> tuple[str, int]:
+    """What a task counts its work in, and how much it did: ("", 0) where nobody did it."""
+    done = (
+        (one.unit, one.items // one.repeats)
+        for one in part.results.samples
+        if (one.model, one.task) == (part.model.name, task) and one.items and one.unit
+    )
+    return next(done, ("", 0))

@@ -5,7 +5,10 @@ from dataclasses import dataclass
 
 from tetrabench.bench.record import Backend, Model, Results
 from tetrabench.bench.statistics import Row, fewest_launches, summary
-from tetrabench.report.units import plural, singular
+from tetrabench.report.units import counted, plural, singular
+
+ENDED = {"interrupted": "INTERRUPTED", "budget": "OUT OF BUDGET"}
+"""`Results.ended` as a title says it."""
 
 
 @dataclass(frozen=True)
@@ -28,8 +31,14 @@ class Part:
 
     @property
     def tasks(self) -> list[str]:
-        """Those that anybody did, in the order of the run."""
-        return list(dict.fromkeys(task for task, _ in self.rows))
+        """All of the run, whether anybody did them or not."""
+        return [task.name for task in self.results.tasks]
+
+    @property
+    def launches(self) -> dict[str, int]:
+        """How many launches each task was done in, as far as they went."""
+        done = {(one.task, one.launch) for one in self.results.samples if one.model == self.model.name}
+        return {task: sum(of == task for of, _ in done) for task in self.tasks}
 
     @property
     def item(self) -> str:
@@ -45,8 +54,8 @@ class Part:
     @property
     def title(self) -> str:
         """Model, its size, how often it was measured."""
-        facts = [f"{number:,} {things}" for things, number in self.model.size.items()]
-        facts += [_effort(self.results, self.model)]
+        facts = [counted(number, things) for things, number in self.model.size.items()]
+        facts += filter(None, [_effort(self), ENDED.get(self.results.ended, self.results.ended)])
         against = f" against {self.reference}" if self.reference != self.results.reference else ""
         return f"{self.model.name}{against}: {', '.join(facts)}"
 
@@ -71,10 +80,16 @@ def make_parts(results: Results, rows: Iterable[Row] | None = None) -> list[Part
     ]
 
 
-def _effort(results: Results, model: Model) -> str:
+def shown_name(backend: Backend) -> str:
+    """With an asterisk where it is not from the source."""
+    return backend.name + ("*" if backend.extension else "")
+
+
+def _effort(part: Part) -> str:
+    results = part.results
     if results.profile == "thesis":
         return "the source's counts on one net"
-    samples = [sample for sample in results.samples if sample.model == model.name]
-    launches = 1 + max((sample.launch for sample in samples), default=0)
-    rounds = 1 + max((sample.round for sample in samples), default=0)
-    return f"{plural(launches, 'launch')} of {plural(rounds, 'round')}"
+    made, planned = max(part.launches.values(), default=0), results.effort.launches
+    rounds = 1 + max((one.round for one in results.samples if one.model == part.model.name), default=-1)
+    launches = f"{made} of {plural(planned, 'launch')}" if results.ended else plural(made, "launch")
+    return f"{launches} of {plural(rounds, 'round')}" if made else launches

@@ -11,9 +11,9 @@ from tetrabench.bench.growth import Growth, growth
 from tetrabench.bench.record import Backend, Results
 from tetrabench.bench.statistics import Row, summary
 from tetrabench.report import notes
-from tetrabench.report.cells import interval_of, ratio_of, word_of
+from tetrabench.report.cells import MISSING, interval_of, ratio_of, word_of
 from tetrabench.report.memory import memory_of
-from tetrabench.report.parts import Part, make_parts
+from tetrabench.report.parts import Part, make_parts, shown_name
 from tetrabench.report.units import digits, duration, percent, span
 
 
@@ -89,7 +89,10 @@ def _answers(part: Part) -> Sheet:
     return Sheet(
         title=part.title,
         head=["scenario", *_heads(part)],
-        rows=[[Cell(task), *(words.get((task, one.name), Cell("")) for one in part.backends)] for task in part.tasks],
+        rows=[
+            [Cell(task), *(words.get((task, one.name), Cell(MISSING, MISSING)) for one in part.backends)]
+            for task in part.tasks
+        ],
         notes=list(notes.about_part(part)),
     )
 
@@ -120,7 +123,7 @@ def _growth(results: Results, grown: Iterable[Growth], intervals: bool) -> Sheet
     smallest, largest = min(one.smallest for one in fitted), max(one.largest for one in fitted)
     return Sheet(
         title=f"Growth: time ~ size ** exponent, from {smallest:,} to {largest:,}",
-        head=["scenario", *map(_name, backends)],
+        head=["scenario", *map(shown_name, backends)],
         rows=[
             [Cell(task), *(Cell(_exponent(cells.get((task, one.name)), intervals)) for one in backends)]
             for task in dict.fromkeys(task for task, _ in cells)
@@ -141,17 +144,13 @@ def _heads(part: Part) -> list[str]:
 
 
 def _head(backend: Backend) -> str:
-    return _name(backend) + (" =1" if backend.name == backend.against else "")
-
-
-def _name(backend: Backend) -> str:
-    return backend.name + ("*" if backend.extension else "")
+    return shown_name(backend) + (" =1" if backend.name == backend.against else "")
 
 
 def _compared(part: Part, task: str, backend: Backend, intervals: bool) -> Cell:
     row = part.rows.get((task, backend.name))
     if row is None:
-        return Cell("")
+        return Cell(MISSING, MISSING)
     if row.verdict == "reference" and intervals and task in part.controls:
         row = part.controls[task]  # what it differs by from itself
     return Cell(interval_of(row) if intervals else ratio_of(row), row.verdict)
@@ -167,7 +166,7 @@ def _costs(part: Part, columns: int) -> list[list[Cell]]:
     lines: list[tuple[str, str, dict[str, str]]] = [
         (
             kind,
-            f"B/{part.item}",
+            f"B/{part.item}" if kind == "structure" else f"~B/{part.item}",
             {name: f"{size:,.0f}" if isinstance(size, float) else size for name, size in sizes.items()},
         )
         for kind, sizes in memory_of(part).items()

@@ -10,6 +10,7 @@ from typing import Any
 from matplotlib.colors import to_rgb
 
 from tetrabench.bench.record import Results
+from tetrabench.report.parts import shown_name
 
 EDGE = "#333333"
 _HUES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")  # Okabe and Ito: for all eyes
@@ -20,12 +21,14 @@ _MARKERS = ("o", "s", "^", "D", "v")
 
 @dataclass(frozen=True)
 class Style:
-    """Of a contestant: its words, its column in the legend, what a patch is drawn with, what a line."""
+    """Of a contestant: its name as it is shown, its words, its column in the legend, what draws a bar, a line, a dot."""
 
+    name: str
     title: str
     layout: str
     paint: dict[str, Any]
     line: dict[str, Any]
+    dot: dict[str, Any]
 
 
 def make_styles(results: Results) -> dict[str, Style]:
@@ -36,19 +39,21 @@ def make_styles(results: Results) -> dict[str, Style]:
     hues = _numbered([layout for layout, _, _ in (*known, *mine)])
     shades = _numbered([rest for _, _, rest in (*known, *mine)])
     return {
-        backend.name: Style(backend.title, layout, *_look(hues[layout], shades[rest]))
+        backend.name: Style(shown_name(backend), backend.title, layout, *_look(hues[layout], shades[rest]))
         for backend, (layout, _, rest) in zip(backends, mine, strict=True)
     }
 
 
-def _look(hue: int, shade: int) -> tuple[dict[str, Any], dict[str, Any]]:
-    """What a patch is drawn with, and what a line."""
+def _look(hue: int, shade: int) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+    """What draws a bar, a line, a dot."""
     share, hatch = _SHADES[shade % len(_SHADES)]
-    colour = _HUES[hue % len(_HUES)]
+    colour, marker = _HUES[hue % len(_HUES)], _MARKERS[shade % len(_MARKERS)]
     red, green, blue = (1 - share * (1 - part) for part in to_rgb(colour))
     paint = {"facecolor": (red, green, blue), "hatch": hatch, "edgecolor": EDGE, "linewidth": 0.6}
-    marks = {"linestyle": _LINES[hue % len(_LINES)], "marker": _MARKERS[shade % len(_MARKERS)]}
-    return paint, {"color": colour, **marks}
+    mark = {"color": colour, "marker": marker}
+    line = {"linestyle": _LINES[hue % len(_LINES)], "linewidth": 1.4, "markersize": 5, "fillstyle": "none"}
+    dot = {"linestyle": "none", "markersize": 7, "markeredgewidth": 1.3}
+    return paint, mark | line, mark | dot
 
 
 def _numbered(words: Iterable[str]) -> dict[str, int]:

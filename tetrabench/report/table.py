@@ -25,6 +25,7 @@ _STYLES = {  # a second way to see what the words and signs say already
     "inconclusive": "dim",
     "skipped": "dim",
     "unsupported": "dim",
+    "missing": "dim",
     "wrong": "bold red",
     "unstable": "bold red",
     "crashed": "bold red",

@@ -41,6 +41,11 @@ def singular(things: str) -> str:
     return things.removesuffix("s")
 
 
+def counted(number: int, things: str) -> str:
+    """1 tetra, 642,816 tetras, of what `protocols` counts in the plural."""
+    return f"{number:,} {singular(things) if number == 1 else things}"
+
+
 def plural(number: int, thing: str) -> str:
     """1 launch, 8 launches."""
     return f"{number:,} {thing}" + ("" if number == 1 else "es" if thing.endswith("ch") else "s")
