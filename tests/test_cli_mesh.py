@@ -68,7 +68,7 @@ def test_info_of_what_is_refused_for_faults_that_can_be_left_out(faulty: Path) -
     assert f"- {faulty}: {sentence}; left out\n" in result.stdout
     assert result.stdout.endswith("- the file is refused, unless --repair drop leaves these tetras out\n")
     told = json.loads(say("info", faulty, "--format", "json").stdout)
-    assert told["refusal"] == f"{faulty}: {sentence}; tetrabench convert --repair drop leaves them out"
+    assert told["refusal"] == f"{faulty}: {sentence}; convert --repair drop leaves them out"
     assert (told["tetras"], told["points"], told["unreferenced"]) == (2, 9, 4)
 
     result = say("info", faulty, "--repair", "drop")

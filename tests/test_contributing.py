@@ -63,6 +63,6 @@ def test_the_text_adds_a_contestant(tmp_path):
     assert len(scenarios) == 12
     for scenario in scenarios:
         answers = {(s["backend"], s["status"], s["digest"]) for s in samples if s["task"] == scenario}
-        assert len(answers) == 2
+        assert len(answers) == 3  # the control too
         assert {status for _, status, _ in answers} == {"ok"}
         assert len({digest for _, _, digest in answers}) == 1

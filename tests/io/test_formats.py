@@ -160,10 +160,7 @@ def test_faults_are_named_by_file_and_id(tmp_path: Path) -> None:
     mesh = mesh_of(CORNER, [[0, 1, 2, 3], [0, 0, 1, 2], [1, 2, 3, 4], [4, 4, 4, 4]])
     mesh.tet_ids = mesh.tet_ids * 11
     write_mesh(mesh, tmp_path / "a.vtu")
-    assert (
-        refused(tmp_path / "a.vtu")
-        == "tetra 22 repeats a node; so does 44; tetrabench convert --repair drop leaves them out"
-    )
+    assert refused(tmp_path / "a.vtu") == "tetra 22 repeats a node; so does 44; convert --repair drop leaves them out"
     with pytest.raises(RepairableError):
         read_mesh(tmp_path / "a.vtu")
     back = read_mesh(tmp_path / "a.vtu", repair="drop")

@@ -334,7 +334,7 @@ def test_faulty_tetras_are_refused_by_line_with_the_way_out(tmp_path: Path) -> N
         read_text(tmp_path, FAULTY)
     message = str(caught.value)
     assert message.startswith(f"{tmp_path / 'deck.nas'}:9: CTETRA 2 repeats a node; also: 1 duplicate, 1 crowded side")
-    assert message.endswith("; tetrabench convert --repair drop leaves them out")
+    assert message.endswith("; convert --repair drop leaves them out")
     with pytest.raises(RepairableError, match=r"deck\.nas:12: CTETRA 5 shares a side with two earlier ones"):
         read_text(tmp_path, FAULTY.replace("1,1,2,2,4", "1,1,2,7,6").replace("3,1,4,3,2,1\n", "3,1,7,3,2,1\n"))
 

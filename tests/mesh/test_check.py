@@ -124,23 +124,23 @@ def test_settle_finds_what_the_naive_twin_finds(rows: list[list[int]]) -> None:
 MESSAGES = {
     "one": (
         [[0, 1, 2, 3], [0, 0, 1, 2]],
-        "deck.nas:11: tetra 2 repeats a node; tetrabench convert --repair drop leaves it out",
+        "deck.nas:11: tetra 2 repeats a node; convert --repair drop leaves it out",
     ),
     "two": (
         [[0, 0, 1, 2], [0, 1, 2, 3], [1, 1, 1, 2]],
-        "deck.nas:10: tetra 1 repeats a node; so does 3; tetrabench convert --repair drop leaves them out",
+        "deck.nas:10: tetra 1 repeats a node; so does 3; convert --repair drop leaves them out",
     ),
     "many": (
         [[0, 1, 2, 3], *[[4, 4, 5, 6]] * 7],
-        "deck.nas:11: tetra 2 repeats a node; so do 3, 4 and 4 others; tetrabench convert --repair drop leaves them out",
+        "deck.nas:11: tetra 2 repeats a node; so do 3, 4 and 4 others; convert --repair drop leaves them out",
     ),
     "four": (
         [[0, 1, 2, 3], *[[4, 4, 5, 6]] * 4],
-        "deck.nas:11: tetra 2 repeats a node; so do 3, 4 and 1 other; tetrabench convert --repair drop leaves them out",
+        "deck.nas:11: tetra 2 repeats a node; so do 3, 4 and 1 other; convert --repair drop leaves them out",
     ),
     "of several kinds": (
         [[0, 1, 2, 3], [1, 2, 3, 4], [1, 2, 3, 5], [3, 2, 1, 0], [3, 1, 0, 2], [7, 7, 7, 7]],
-        "deck.nas:15: tetra 6 repeats a node; also: 2 duplicate, 1 crowded side; tetrabench convert --repair drop leaves them out",
+        "deck.nas:15: tetra 6 repeats a node; also: 2 duplicate, 1 crowded side; convert --repair drop leaves them out",
     ),
 }
 

@@ -85,7 +85,7 @@ def settle(
         sentence = describe_faults(faults, tet_ids, where)
         one = sum(map(len, faults.values())) == 1
         if repair == "refuse":
-            raise RepairableError(f"{sentence}; tetrabench convert --repair drop leaves {'it' if one else 'them'} out")
+            raise RepairableError(f"{sentence}; convert --repair drop leaves {'it' if one else 'them'} out")
         warnings.append(f"{sentence}; left out")
         sound = np.ones(len(tets), np.bool_)
         sound[np.concatenate(list(faults.values()))] = False
