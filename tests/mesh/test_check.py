@@ -151,7 +151,7 @@ def test_refusal_is_one_line_with_the_first_and_some_others(tets: list[list[int]
         settle(cloud(tets), where=where)
     assert str(caught.value) == message
     settled = settle(cloud(tets), where=where, repair="drop")
-    assert settled.report.warnings == [message.partition("; --repair")[0] + "; left out"]
+    assert settled.report.warnings == [message.partition("; convert --repair")[0] + "; left out"]
 
 
 def test_what_nobody_can_mend_is_refused_with_its_place() -> None:

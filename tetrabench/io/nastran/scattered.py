@@ -10,6 +10,7 @@ import numpy as np
 
 from tetrabench.io.nastran.cards import (
     DANGLING,
+    GRID,
     MOST_FIELDS,
     REASONS,
     Bytes,
@@ -20,7 +21,6 @@ from tetrabench.io.nastran.cards import (
     split_card,
 )
 from tetrabench.io.nastran.scan import (
-    GRID,
     LOOSE,
     POINT_FIELDS,
     TETRA_FIELDS,
