@@ -28,6 +28,9 @@ EFFORTS = {
 }
 """By profile. Many launches of few rounds rather than the reverse: see `statistics`."""
 
+TIMEOUT_S = 3600.0
+"""Longest wait for a worker unless another is asked for: a sweep of the source's slowest takes minutes."""
+
 CONTROL = "control"
 """What the name of a second copy of a reference ends with, after a blank."""
 
@@ -57,7 +60,7 @@ class Plan:
     effort: Effort = EFFORTS["default"]
     seed: int = 0
     threads: int = 1
-    timeout_s: float | None = None
+    timeout_s: float | None = TIMEOUT_S
     budget_s: float | None = None
     has_memory: bool = True
     has_yardsticks: bool = True
@@ -108,7 +111,7 @@ def make_plan(
     numbering: str = "natural",
     seed: int = 0,
     budget_s: float | None = None,
-    timeout_s: float | None = None,
+    timeout_s: float = TIMEOUT_S,
     guide: Guide | None = None,
 ) -> Plan:
     """Look up what is asked for by name; find the model, or have it generated.
@@ -157,7 +160,7 @@ def make_plan(
         numbering=numbering if numbering != "natural" else None,
         seed=seed or None,
         budget=f"{budget_s:g}" if budget_s is not None else None,
-        timeout=f"{timeout_s:g}" if timeout_s is not None else None,
+        timeout=f"{timeout_s:g}" if timeout_s != TIMEOUT_S else None,
     )
     models = {
         model_name(asked, size if len(tets or ()) > 1 else None, numbering): guide.find_model(

@@ -18,6 +18,7 @@ from tetrabench.cli.options import (
     split_names,
     strict_option,
     threshold_option,
+    timeout_option,
     verdict_format_option,
 )
 from tetrabench.cli.speech import RunProgress, say
@@ -41,7 +42,7 @@ MODEL, TETS = "nozzle", 30_000
 @click.option("--launches", type=int, help="How often all backends get fresh processes, at most.  [default: 12]")
 @click.option("--rounds", type=int, help="How often each has its turn in a launch.  [default: 5]")
 @click.option("--budget", "budget_s", callback=read_seconds, metavar="TIME", help="Of each run, such as 90s or 10m.")
-@click.option("--timeout", "timeout_s", callback=read_seconds, metavar="TIME", help="Of one sample.")
+@timeout_option
 @click.option("-o", "--output", metavar="FILE.json", type=FILE, callback=check_folder, help="Save the samples.")
 @verdict_format_option
 @strict_option

@@ -132,6 +132,17 @@ def read_share(ctx: click.Context, param: click.Parameter, text: str) -> float:
     return share
 
 
+timeout_option = click.option(
+    "--timeout",
+    "timeout_s",
+    callback=read_seconds,
+    default="1h",
+    show_default=True,
+    metavar="TIME",
+    help="Of one sample, or of compiling one scenario.",
+)
+
+
 def what_options(verb: Callable[..., Any]) -> Callable[..., Any]:
     """What `run` and `check` take: models, backends, scenarios."""
     model = click.option("--model", required=True, metavar="FILE|NAME", help="A mesh file, or a model to generate.")

@@ -18,6 +18,7 @@ from tetrabench.cli.options import (
     format_option,
     intervals_option,
     read_seconds,
+    timeout_option,
     what_options,
 )
 from tetrabench.cli.speech import RunProgress, patience, say, tabulate
@@ -35,7 +36,7 @@ if TYPE_CHECKING:
 @click.option("--launches", type=int, help="How often all backends get fresh processes.")
 @click.option("--rounds", type=int, help="How often each backend has its turn in a launch.")
 @click.option("--budget", "budget_s", callback=read_seconds, metavar="TIME", help="Of the run, such as 90s or 10m.")
-@click.option("--timeout", "timeout_s", callback=read_seconds, metavar="TIME", help="Of one sample.")
+@timeout_option
 @click.option("-o", "--output", metavar="FILE.json", type=FILE, callback=check_folder, help="Save the results.")
 @click.option("--resume", is_flag=True, help="Go on with a run to -o that was broken off.")
 @click.option("--dry-run", is_flag=True, help="Say what would be done, and do nothing.")
