@@ -77,6 +77,15 @@ def test_info_of_what_is_refused_for_faults_that_can_be_left_out(faulty: Path) -
     assert json.loads(say("info", faulty, "--repair", "drop", "--format", "json").stdout)["refusal"] == ""
 
 
+def test_the_exit_code_of_info_is_the_one_that_is_described(faulty: Path) -> None:
+    (faulty.parent / "cut.nas").write_text("BEGIN BULK\n")
+    for file, code in ((faulty, 0), (faulty.parent / "cut.nas", 2)):
+        assert say("info", file).exit_code == code
+    told = " ".join(say("info", "--help").stdout.split())
+    assert "is described without them, and the exit code is 0" in told
+    assert "What cannot be described at all is refused with exit code 2" in told
+
+
 def test_info_of_what_cannot_be_read(tmp_path: Path) -> None:
     assert "there is no such file" in refusal("info", tmp_path / "no.vtu")
     (tmp_path / "bad.vtu").write_text("nonsense")
@@ -124,10 +133,17 @@ def test_convert_there_and_back(tmp_path: Path) -> None:
     np.testing.assert_array_equal(back.point_ids, mesh.point_ids)
 
 
-def test_convert_into_the_same_file(tmp_path: Path) -> None:
+def test_convert_does_not_overwrite_what_it_reads(tmp_path: Path) -> None:
     write_mesh(generate("box", 48), tmp_path / "a.vtk")
-    assert say("convert", tmp_path / "a.vtk", tmp_path / "a.vtk", "--numbering", "shuffled").exit_code == 0
-    assert len(read_mesh(tmp_path / "a.vtk").tets) == 48
+    write_mesh(generate("box", 48), tmp_path / "b.ele")  # and b.node
+    (tmp_path / "link.vtk").symlink_to(tmp_path / "a.vtk")
+    before = {file.name: file.read_bytes() for file in tmp_path.iterdir()}
+    for source, target in (("a.vtk", "a.vtk"), ("a.vtk", "link.vtk"), ("link.vtk", "a.vtk"), ("b.ele", "b.node")):
+        said = refusal("convert", tmp_path / source, tmp_path / target, "--numbering", "shuffled")
+        assert f"{target}: is what is read, and would be lost; write to another file" in said
+    assert {file.name: file.read_bytes() for file in tmp_path.iterdir()} == before
+    assert say("convert", tmp_path / "a.vtk", tmp_path / "b.node").exit_code == 0  # another file may be replaced
+    assert "File name too long" in refusal("convert", tmp_path / "a.vtk", tmp_path / f"{'a' * 300}.vtk")
 
 
 def test_convert_renumbers_and_nothing_else(tmp_path: Path) -> None:
@@ -173,6 +189,26 @@ def test_generate_refuses_before_it_works(tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.setattr("tetrabench.mesh.models.generate", None)
     assert "did you mean .nas?" in refusal("generate", "box", "-o", tmp_path / "box.nass")
     assert "hold surfaces" in refusal("generate", "box", "-o", tmp_path / "box.ply")
+
+
+def test_generate_writes_the_digits_that_are_asked_for(tmp_path: Path) -> None:
+    mesh = generate("box", 48, seed=4)
+    errors = {}
+    for field in ("small", "large", "free"):
+        words = ("generate", "box", "--tets", 48, "--seed", 4, "--field", field, "-o", tmp_path / "box.nas")
+        assert say(*words).exit_code == 0
+        errors[field] = np.abs(read_mesh(tmp_path / "box.nas").points - mesh.points).max()
+    assert errors["small"] > 1e-9 > errors["large"] > errors["free"] == 0
+    say("generate", "box", "--tets", 48, "--seed", 4, "-o", tmp_path / "box.nas")
+    assert np.abs(read_mesh(tmp_path / "box.nas").points - mesh.points).max() == errors["small"]
+    assert "can only be chosen for Nastran" in refusal("generate", "box", "--field", "free", "-o", tmp_path / "box.vtu")
+
+
+@pytest.mark.parametrize(
+    "verb", [("generate", "box", "-o", "box.nas"), ("convert", "a.nas", "b.nas"), ("run", "--model", "box")]
+)
+def test_a_seed_below_0_is_one_line_and_2(verb: tuple[str, ...]) -> None:
+    assert "-1 is not in the range x>=0" in refusal(*verb, "--seed", "-1")
 
 
 def test_counts_are_exact() -> None:

@@ -339,6 +339,15 @@ def test_faulty_tetras_are_refused_by_line_with_the_way_out(tmp_path: Path) -> N
         read_text(tmp_path, FAULTY.replace("1,1,2,2,4", "1,1,2,7,6").replace("3,1,4,3,2,1\n", "3,1,7,3,2,1\n"))
 
 
+def test_an_id_twice_is_refused_by_the_line_of_a_tetra_that_stays(tmp_path: Path) -> None:
+    """CTETRA 1 stands three times: in line 8, in line 9, where it is left out, and in line 14."""
+    deck = FAULTY.replace("CTETRA,2,1,1,2,2,4", "CTETRA,1,1,1,2,2,4") + "CTETRA,1,1,4,5,6,7\n"
+    with pytest.raises(InputError, match=r"deck\.nas:13: CTETRA 1 twice, with different nodes$"):
+        read_text(tmp_path, deck, repair="drop")
+    with pytest.raises(InputError, match=r"deck\.nas:9: CTETRA 1 twice, with different nodes$"):
+        read_text(tmp_path, deck.replace("1,1,2,2,4", "1,1,2,4,7").replace("CTETRA,3,", "$").replace("CTETRA,5,", "$"))
+
+
 def test_repair_leaves_faulty_tetras_out_and_says_so(tmp_path: Path) -> None:
     mesh = read_text(tmp_path, FAULTY, repair="drop")
     assert mesh.tet_ids.tolist() == [1, 4]

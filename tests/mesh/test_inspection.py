@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from tests.meshes import apart, box, mesh_of, single, touching
+from tetrabench.errors import InputError
 from tetrabench.mesh import TetraMesh
 from tetrabench.mesh.inspection import inspect_mesh
 from tetrabench.mesh.models import generate
@@ -119,6 +120,12 @@ def test_a_tetra_does_not_cross_itself(mesh: TetraMesh) -> None:
 def test_parts_a_rounding_apart_are_not_said_to_touch() -> None:
     found = inspect_mesh(two_cubes(lifted=1e-12))
     assert (found.coincident_points, found.doubled_sides, found.crossing_sides) == (0, 0, 0)
+
+
+def test_without_tetras_there_is_nothing_to_inspect() -> None:
+    for points in ([], [[0, 0, 0]]):
+        with pytest.raises(InputError, match=r"^mesh: holds no tetras"):
+            inspect_mesh(mesh_of(points, []))
 
 
 def test_zero_and_its_negative_are_one_place() -> None:

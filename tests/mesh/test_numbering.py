@@ -140,6 +140,16 @@ def test_rcm_takes_one_component_after_the_other_and_unused_points_last() -> Non
     assert renumber(whole, "rcm").point_ids[-2:].tolist() == [row + 1 for row in unused]
 
 
+@pytest.mark.parametrize("numbering", NUMBERINGS)
+def test_a_seed_below_0_is_refused(numbering: str, small_mesh: TetraMesh) -> None:
+    for function in (
+        lambda: renumber(small_mesh, numbering, -1),
+        lambda: generate("box", 6, numbering=numbering, seed=-1),
+    ):
+        with pytest.raises(InputError, match=r"^a seed is 0 or more, not -1$"):
+            function()
+
+
 def test_unknown_numbering(small_mesh: TetraMesh) -> None:
     there = ", ".join(NUMBERINGS)
     with pytest.raises(InputError, match=f"no numbering 'random'; there are: {there}"):

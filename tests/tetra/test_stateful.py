@@ -7,7 +7,7 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, ru
 
 from tests.meshes import MESHES
 from tests.oracle import OracleNet, diagonal
-from tetrabench import registry
+from tetrabench.backends.tetra import CONTESTANTS as OURS
 from tetrabench.errors import InputError
 from tetrabench.tetra.net import TetraNet
 
@@ -22,7 +22,7 @@ class AllTogether(RuleBasedStateMachine):
     def build(self, name):
         mesh = MESHES[name]()
         self.oracle = OracleNet(mesh.points, mesh.tets)
-        self.nets = {c.name: TetraNet(mesh, c) for c in registry.contestants("tetra")}
+        self.nets = {c.name: TetraNet(mesh, c) for c in OURS}
         # oracle's id -> ref, for each contestant: refs of survivors must stay what they are
         self.refs = {name: dict(enumerate(net.refs.tolist())) for name, net in self.nets.items()}
         self.gone = []

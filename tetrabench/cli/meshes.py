@@ -9,10 +9,17 @@ import click
 
 from tetrabench.cli.options import FILE, check_folder, numbering_option, read_count, repair_option, seed_option
 from tetrabench.cli.speech import patience, say
-from tetrabench.errors import RepairableError
+from tetrabench.errors import InputError, RepairableError
 
 if TYPE_CHECKING:
     from tetrabench.mesh.inspection import Inspection
+
+
+field_option = click.option(
+    "--field",
+    type=click.Choice(["small", "large", "free"]),
+    help="Of a Nastran file: 5 to 7 digits, 13 to 15, or every bit.  [default: small]",
+)
 
 
 @click.command()
@@ -22,7 +29,9 @@ if TYPE_CHECKING:
 def info(file: Path, repair: str, form: str) -> None:
     """Describe a mesh: what it holds, what is wrong with it, what was left out.
 
-    A file that is refused only for tetras that --repair drop leaves out is described without them.
+    A file that is refused only for tetras that --repair drop leaves out is described without them, and the exit code is
+    0: "refusal" in the JSON, or the last line of the table, says that other verbs refuse it. What cannot be described
+    at all is refused with exit code 2.
     """
     from dataclasses import replace
 
@@ -64,13 +73,16 @@ def info(file: Path, repair: str, form: str) -> None:
     show_default=True,
     help="What becomes of points that no tetra uses.",
 )
-@click.option("--field", type=click.Choice(["small", "large", "free"]), help="Of a Nastran file; free is exact.")
+@field_option
 def convert(source: Path, target: Path, numbering: str, seed: int, repair: str, unused: str, field: str | None) -> None:
-    """Write a mesh in another format, or in another order."""
-    from tetrabench.io import check_target, read_mesh, write_mesh
+    """Write a mesh in another format, or in another order. OUT may not be IN."""
+    from tetrabench.io import check_target, is_file, read_mesh, write_mesh
+    from tetrabench.io.formats import partners
     from tetrabench.mesh.numbering import renumber
 
     check_target(target, field)
+    if is_file(target) and any(is_file(file) and file.samefile(target) for file in (source, *partners(source))):
+        raise InputError(f"{target}: is what is read, and would be lost; write to another file")
     with patience(f"reading {source}"):
         mesh = read_mesh(source, unused=unused, repair=repair)
     with patience(f"renumbering {len(mesh.tets):,} tetras"):
@@ -93,17 +105,18 @@ def convert(source: Path, target: Path, numbering: str, seed: int, repair: str, 
 @click.option("--tets", callback=read_count, metavar="N", help="Wanted number of tetras, such as 100k.")
 @numbering_option
 @seed_option
+@field_option
 @click.option("-o", "--output", metavar="FILE.nas", type=FILE, callback=check_folder, required=True)
-def generate(model: str, tets: int | None, numbering: str, seed: int, output: Path) -> None:
+def generate(model: str, tets: int | None, numbering: str, seed: int, field: str | None, output: Path) -> None:
     """Make a model without a mesher and write it: the same file for the same seed."""
     from tetrabench.io import check_target, write_mesh
     from tetrabench.mesh import models
 
-    check_target(output)
+    check_target(output, field)
     with patience(f"making {model}"):
         mesh = models.generate(model, tets, numbering=numbering, seed=seed)
     with patience(f"writing {output}"):
-        write_mesh(mesh, output)
+        write_mesh(mesh, output, field=field)
     click.echo(mesh.report.source)
     say(f"wrote {output}")
 

@@ -30,19 +30,28 @@ def read_mesh(path: str | os.PathLike[str], *, unused: str = "drop", repair: str
     """
     suffix = known_suffix(path)
     file = Path(path)
-    try:
-        is_folder, is_there = file.is_dir(), file.exists()
-    except OSError as error:  # a name that no file can have, a folder that must not be looked into
-        raise InputError(f"{path}: cannot be read: {error.strerror or error}") from error
-    if is_folder:
-        raise InputError(f"{path}: a folder, not a file")
-    if not is_there:
+    if not is_file(file):
         command = f"tetrabench generate {file.stem} -o {file.name}"
         hint = f"; make it with: {command}" if file.stem in MODELS else ""
         raise InputError(f"{path}: there is no such file{hint}")
     if suffix in NASTRAN:
         return read_nastran(path, unused=unused, repair=repair)
     return read_foreign(path, unused=unused, repair=repair)
+
+
+def is_file(path: Path) -> bool:
+    """Whether there is a file.
+
+    Raises:
+        InputError: a folder, a name that no file can have, or a place that must not be looked into.
+    """
+    try:
+        is_folder, is_there = path.is_dir(), path.exists()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror or error}") from error
+    if is_folder:
+        raise InputError(f"{path}: a folder, not a file")
+    return is_there
 
 
 def write_mesh(mesh: TetraMesh, path: str | os.PathLike[str], *, field: str | None = None) -> None:

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from tetrabench.errors import InputError
 from tetrabench.mesh.quality import signed_volumes, smallest_dihedral_angle
 from tetrabench.mesh.sides import side_neighbours
 from tetrabench.mesh.tetra_mesh import TetraMesh
@@ -83,8 +84,10 @@ def inspect_mesh(mesh: TetraMesh) -> Inspection:
     """Inspect a mesh that has passed `check_mesh` or `settle`, read with unused="keep" for the file's own count of points.
 
     Raises:
-        InputError: a side is shared by more than two tetras.
+        InputError: no tetra at all, or a side is shared by more than two.
     """
+    if not len(mesh.tets):
+        raise InputError(f"{mesh.report.source or 'mesh'}: holds no tetras, so that there is nothing to inspect")
     points, tets = np.require(mesh.points, np.float64, ["C", "W"]), np.require(mesh.tets, np.int32, ["C", "W"])
     neighbours = side_neighbours(tets)
     used = np.zeros(len(points), np.bool_)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tetrabench.errors import find_named
+from tetrabench.errors import InputError, find_named
 from tetrabench.mesh.hilbert import hilbert_order
 from tetrabench.mesh.rcm import rcm_order
 from tetrabench.mesh.tetra_mesh import TetraMesh
@@ -26,12 +26,13 @@ def renumber(mesh: TetraMesh, numbering: str, seed: int = 0) -> TetraMesh:
     Args:
         mesh: sound, as `check_mesh` has it.
         numbering: its name.
-        seed: of the shuffling.
+        seed: of the shuffling, 0 or more.
 
     Raises:
-        InputError: an unknown numbering.
+        InputError: an unknown numbering, or a seed below 0.
     """
     order = find_named("numbering", NUMBERINGS, numbering)
+    check_seed(seed)
     if order is None:
         return mesh
     points, tets = order(mesh, seed)
@@ -43,6 +44,12 @@ def renumber(mesh: TetraMesh, numbering: str, seed: int = 0) -> TetraMesh:
         tet_ids=mesh.tet_ids[tets],
         report=replace(mesh.report, source=f"{mesh.report.source}, {numbering} numbering{drawn}"),
     )
+
+
+def check_seed(seed: int) -> None:
+    """Refuse, with InputError, a seed that no random numbers can begin with."""
+    if seed < 0:
+        raise InputError(f"a seed is 0 or more, not {seed}")
 
 
 def shuffled_order(mesh: TetraMesh, seed: int) -> tuple[Rows, Rows]:

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from tetrabench.errors import InputError
 from tetrabench.jit import kernel
+from tetrabench.memory import refuse_if_too_large
 from tetrabench.mesh.tetra_mesh import as_vertices
 
 Tets = NDArray[np.int32]
@@ -28,8 +29,9 @@ def side_neighbours(tets: Tets) -> NDArray[np.int32]:
         (n, 4) int32: row of the tetra that shares the side opposite vertex i, -1 where there is none.
 
     Raises:
-        InputError: tets of another shape, or with a negative vertex; a side is shared by three tetras or more: names
-            them, counted from 0.
+        InputError: tets of another shape, or with a negative vertex; a tetra repeats a vertex, or a side is shared by
+            three tetras or more: names them, counted from 0.
+        MemoryRefusedError: the largest vertex is so large that a counter for each vertex is beyond the memory.
     """
     neighbours, crowded = _match(tets)
     if len(crowded):
@@ -44,10 +46,13 @@ def crowded_tetras(tets: Tets) -> NDArray[np.int64]:
     Without them no side is shared by more than two.
 
     Args:
-        tets: (n, 4) int32, vertices of each tetra, not negative.
+        tets: (n, 4) int32, vertices of each tetra, all different and not negative.
 
     Returns:
         (k,) int64, their rows, ascending.
+
+    Raises:
+        InputError: as `side_neighbours`, but for what it is here to find.
     """
     return _match(tets)[1]
 
@@ -56,10 +61,14 @@ def _match(tets: Tets) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
     """Neighbours (n, 4), of sides with two tetras, and the rows of crowded tetras (k,)."""
     tets = as_vertices(tets)
     points = int(tets.max()) + 1 if len(tets) else 0
+    if points > 4 * len(tets):  # numbers with gaps, how wide nobody knows
+        refuse_if_too_large(f"matching sides of vertices up to {points - 1:,}", 8 * points, "number them without gaps")
     # allocated here, not in a kernel: numpy asks the system for large pages, numba does not
     neighbours = np.full((len(tets), 4), _NONE, np.int32)
     starts, sides = np.zeros(points + 2, np.int64), np.empty(4 * len(tets), SIDE)
     fullest = _distribute(tets, starts, sides)
+    if fullest < 0:
+        raise InputError(f"tetra {-1 - fullest} (counted from 0) repeats a vertex")
     table, crowded = np.empty(_table_size(fullest), SIDE), np.zeros(len(tets), np.bool_)
     _match_buckets(starts, sides, table, neighbours, crowded)
     return neighbours, np.flatnonzero(crowded)
@@ -79,11 +88,13 @@ def _first_sharers(tets: Tets, crowded: int) -> list[int]:
 def _distribute(tets: Any, starts: Any, sides: Any) -> Any:
     """Put the sides into buckets by their smallest vertex v, sides[starts[v]:starts[v + 1]], where the tetras ascend.
 
-    `starts` comes with zeros. Returns the size of the fullest bucket.
+    `starts` comes with zeros. Returns the size of the fullest bucket; -1 - t, where tetra t repeats a vertex.
     """
     fullest = np.int64(0)
     for t in range(len(tets)):
-        a, b, _, _ = _ascending(tets, t)
+        a, b, c, d = _ascending(tets, t)
+        if a >> 2 == b >> 2 or b >> 2 == c >> 2 or c >> 2 == d >> 2:
+            return np.int64(-1 - t)
         # the smallest vertex is the smallest of three sides, the second smallest of the fourth
         starts[(a >> 2) + 2] += 3
         starts[(b >> 2) + 2] += 1

@@ -1,5 +1,6 @@
 """TetraMesh: a tetrahedral mesh as it was read, arrays and nothing else."""
 
+import operator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -60,20 +61,31 @@ class TetraMesh:
             self.tet_ids = np.arange(1, len(self.tets) + 1)
 
 
-def as_vertices(tets: ArrayLike, points: int | None = None) -> NDArray[np.int32]:
+MOST_POINTS = 2**31  # whose rows int32 holds
+
+
+def as_vertices(tets: ArrayLike, points: int = MOST_POINTS) -> NDArray[np.int32]:
     """The vertices of tetras as kernels take them, which look at no bound: (m, 4) int32, contiguous.
 
     Args:
         tets: (m, 4) whole numbers.
-        points: how many points there are; None: as many as need be.
+        points: how many points there are; unless given, as many as need be.
 
     Raises:
-        InputError: another shape, no whole numbers, or a vertex below 0 or beyond the points.
+        InputError: another shape, no whole numbers, a vertex below 0 or beyond the points, or no count of points.
     """
-    given = np.asarray(tets)
+    try:
+        last = min(operator.index(points), MOST_POINTS) - 1
+    except TypeError:
+        raise InputError(f"points is how many there are, not a {type(points).__name__}") from None
+    if last < -1:
+        raise InputError(f"points is how many there are, not {points}")
+    try:
+        given = np.asarray(tets)
+    except ValueError:  # rows of different lengths
+        raise InputError("tets are whole numbers of the shape (m, 4)") from None
     if given.ndim != 2 or given.shape[1] != 4 or given.dtype.kind not in "iu":
         raise InputError(f"tets are whole numbers of the shape (m, 4), not {given.dtype} {given.shape}")
-    most = np.iinfo(np.int32).max if points is None else points - 1
-    if given.size and not (given.min() >= 0 and given.max() <= most):
-        raise InputError(f"tets have vertices from 0 to {most}; these go from {given.min()} to {given.max()}")
+    if given.size and not (given.min() >= 0 and given.max() <= last):
+        raise InputError(f"tets have vertices from 0 to {last}; these go from {given.min()} to {given.max()}")
     return np.require(given, np.int32, ["C", "W", "O"])

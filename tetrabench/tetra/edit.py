@@ -69,13 +69,15 @@ def _grow(net: Net, wanted_tetras: int, wanted_points: int) -> Net:
     slots = _enough(capacity(net), wanted_tetras)
     listed = _enough(len(net.incidence.entries) // 4, wanted_tetras)
     points = _enough(len(net.points.xyz), wanted_points)
-    return Net(
+    grown = Net(
         grown_layout(net, slots),
         grown_slots(net, slots),
         grown_points(net.points, points),
         grown_incidence(net.incidence, points, listed),
         grown_tree(net.tree, points),
     )
+    net.points.counters[STALE] = 1  # last: where there is no memory for one of them, the net stays what it was
+    return grown
 
 
 @register_jitable
@@ -199,8 +201,9 @@ def split_many(net: Net, refs: NDArray[np.int64]) -> tuple[Net, int]:
     Child i is the parent with vertex i replaced by the centroid; children inherit the states. Returns the net to go
     on with and how many were skipped.
     """
+    stack, states = make_stack(), np.empty(STATES)  # before the net is outgrown: there may be no memory for them
     net = reserve(net, 3 * len(refs) + 1, len(refs))
-    return net, _split_all(net, refs, make_stack(), np.empty(STATES))
+    return net, _split_all(net, refs, stack, states)
 
 
 @kernel(allocates=False)

@@ -12,7 +12,7 @@ import tetrabench.io
 import tetrabench.mesh
 from tetrabench.errors import InputError
 from tetrabench.folders import cache_root
-from tetrabench.io import known_suffix, read_mesh, write_mesh
+from tetrabench.io import check_target, is_file, known_suffix, read_mesh, write_mesh
 from tetrabench.jit import kernel
 from tetrabench.mesh import TetraMesh
 from tetrabench.mesh.models import MODELS, generate
@@ -151,9 +151,7 @@ class TetraFamily:
         """The file of a model: `model` is a path, or the name of one that is generated into the user's cache."""
         if model not in MODELS:
             path = Path(model)
-            if path.is_dir():
-                raise InputError(f"{path}: a folder, not a file")
-            if not path.is_file():
+            if not is_file(path):
                 raise InputError(_how_to_get(path))
             known_suffix(path)
             if size is not None or numbering != "natural":
@@ -193,7 +191,11 @@ def _generators_stamp() -> str:
 def _how_to_get(path: Path) -> str:
     known = ", ".join(MODELS)
     if path.stem in MODELS:
-        file = path if path.suffix else path.with_suffix(".nas")
+        try:
+            check_target(path)
+            file = path
+        except InputError:
+            file = path.with_suffix(".nas")
         return (
             f"{path}: no such file. Make one with `tetrabench generate {path.stem} -o {file}`, "
             f"or say `--model {path.stem}` to have one made for you"

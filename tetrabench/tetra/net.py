@@ -1,5 +1,6 @@
 """TetraNet: the Python face of any tetra contestant."""
 
+import operator
 import os
 import weakref
 from collections.abc import Callable, Iterator
@@ -98,10 +99,15 @@ class TetraNet:
         """Refs in iteration order, of the net as it is now: it may change on the way."""
         return iter(self.refs.tolist())
 
-    def __contains__(self, t: int) -> bool:
+    def __contains__(self, t: object) -> bool:
+        """Whether t is the ref of a tetra of this net. Anything may be asked; every method that takes a ref asks it."""
+        try:
+            ref = _whole(t)
+        except InputError:
+            return False
         if self._has_addresses:
-            return t in self._addresses()
-        return t >= 0 and bool(interface.is_live(self.storage, t))
+            return ref in self._addresses()
+        return ref >= 0 and bool(interface.is_live(self.storage, ref))
 
     @property
     def _has_addresses(self) -> bool:
@@ -254,9 +260,10 @@ class TetraNet:
         return static
 
     def _one(self, t: int) -> NDArray[np.int64]:
-        if t not in self:
-            raise InputError(f"there is no tetra {t}")
-        return np.array([t], np.int64)
+        ref = _whole(t)
+        if ref not in self:
+            raise InputError(f"there is no tetra {ref}")
+        return np.array([ref], np.int64)
 
     # ------------------------------------------------------------------ points
 
@@ -270,9 +277,10 @@ class TetraNet:
         return refs
 
     def _known_point(self, point: int) -> int:
-        if not 0 <= point < self.number_of_points:
-            raise InputError(f"there is no point {point}: the net has {self.number_of_points}")
-        return int(point)
+        ref = _whole(point)
+        if not 0 <= ref < self.number_of_points:
+            raise InputError(f"there is no point {ref}: the net has {self.number_of_points}")
+        return ref
 
     # ------------------------------------------------------------------ questions
 
@@ -322,10 +330,11 @@ class TetraNet:
         Raises:
             InputError: equal or unknown points, a tetra that is there already, a side that two tetras share already.
         """
+        a, b, c, d = _whole(a), _whole(b), _whole(c), _whole(d)
         self.storage = edit.reserve(self.storage, 1, 0)
         self._drop_stale_addresses()
         try:
-            t = int(edit.insert_tetra(self.storage, int(a), int(b), int(c), int(d)))
+            t = int(edit.insert_tetra(self.storage, a, b, c, d))
         except ValueError as error:
             raise InputError(f"cannot insert the tetra ({a}, {b}, {c}, {d}): {error}") from None
         self._book(born=t)
@@ -337,12 +346,12 @@ class TetraNet:
         Raises:
             InputError: there is no such tetra.
         """
-        self._one(t)
+        ref = int(self._one(t)[0])
         try:
-            edit.delete_tetra(self.storage, int(t))
+            edit.delete_tetra(self.storage, ref)
         except ValueError as error:
-            raise InputError(f"cannot delete {t}: {error}") from None
-        self._book(dead=int(t))
+            raise InputError(f"cannot delete {ref}: {error}") from None
+        self._book(dead=ref)
 
     def split(self, refs: ArrayLike) -> int:
         """Split tetras in four around their centroids; children inherit the states. Returns how many were skipped.
@@ -351,9 +360,7 @@ class TetraNet:
             InputError: refs of another shape than (n,), one that is no tetra of the net, or that comes twice. The net is
                 then as it was.
         """
-        refs = np.require(refs, np.int64, ["C", "W", "O"])
-        if refs.ndim != 1:
-            raise InputError(f"refs to split have the shape (n,), not {refs.shape}")
+        refs = _all_whole(refs)
         strange = refs[~np.isin(refs, self.refs)]
         if len(strange):
             raise InputError(f"there is no tetra {strange[0]}")
@@ -405,6 +412,28 @@ def _restore(mesh: TetraMesh, contestant: TetraContestant, states: NDArray[np.fl
     net = TetraNet(mesh, contestant)
     net.states = states
     return net
+
+
+def _whole(ref: object) -> int:
+    """What was given as the ref of a tetra or a point: a whole number of 64 bits, or InputError."""
+    try:
+        number = operator.index(ref)  # type: ignore[arg-type]
+    except TypeError:
+        raise InputError(f"a ref is a whole number, not a {type(ref).__name__}") from None
+    if not -(2**63) <= number < 2**63:
+        raise InputError("a ref has 64 bits, and this number more")
+    return number
+
+
+def _all_whole(refs: ArrayLike) -> NDArray[np.int64]:
+    """What was given as refs: an array (n,) that a kernel may take, or InputError."""
+    try:
+        given = np.asarray(refs)
+    except ValueError:  # rows of different lengths
+        raise InputError("refs are whole numbers of the shape (n,)") from None
+    if given.ndim != 1 or (given.dtype.kind not in "iu" and given.size):
+        raise InputError(f"refs are whole numbers of the shape (n,), not {given.dtype} {given.shape}")
+    return np.require(given, np.int64, ["C", "W", "O"])
 
 
 def _release(box: list[Net]) -> None:

@@ -52,10 +52,8 @@ def append_point(points: Points, x: float, y: float, z: float) -> int:
 
 @register_jitable
 def grown_points(points: Points, capacity: int) -> Points:
-    """The same points with room for `capacity`, and counters of their own; the old ones are stale from now on."""
-    counters = points.counters.copy()
-    points.counters[STALE] = 1
-    return Points(grown(points.xyz, capacity), counters, points.diagonal)
+    """The same points with room for `capacity`, and counters of their own."""
+    return Points(grown(points.xyz, capacity), points.counters.copy(), points.diagonal)
 
 
 @register_jitable

@@ -28,7 +28,7 @@ from tetrabench.io.nastran.scattered import Continuations, gather_loose
 from tetrabench.io.nastran.source import Source, Sources, Window
 from tetrabench.io.nastran.spelling import convert, real_number, whole_number
 from tetrabench.memory import refuse_if_too_large
-from tetrabench.mesh.check import settle
+from tetrabench.mesh.check import find_faults, settle
 from tetrabench.mesh.tetra_mesh import MeshReport, TetraMesh
 
 MOST_FILES = 10_000
@@ -181,7 +181,8 @@ class _Deck:
         )
         twice = first_repeated(mesh.tet_ids)
         if twice is not None:
-            place = int(tet_places[np.flatnonzero(tet_ids == mesh.tet_ids[twice])[1]])
+            left_out = [row for rows in find_faults(coordinates, corners, where).values() for row in rows]
+            place = int(np.delete(tet_places, left_out)[twice])
             raise self.sources.refusal(place, f"CTETRA {mesh.tet_ids[twice]} twice, with different nodes")
         return mesh
 

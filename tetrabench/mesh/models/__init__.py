@@ -14,7 +14,7 @@ from tetrabench.mesh.models.box import BOX
 from tetrabench.mesh.models.intake import INTAKE
 from tetrabench.mesh.models.model import Model
 from tetrabench.mesh.models.nozzle import NOZZLE
-from tetrabench.mesh.numbering import NUMBERINGS, renumber
+from tetrabench.mesh.numbering import NUMBERINGS, check_seed, renumber
 from tetrabench.mesh.quality import signed_volumes, smallest_dihedral_angle
 from tetrabench.mesh.tetra_mesh import MeshReport, TetraMesh
 
@@ -32,14 +32,15 @@ def generate(name: str, tets: int | None = None, *, numbering: str = "natural", 
         tets: the number of tets wanted (the model's default where None). The model takes the nearest it can
             divide into; what it holds, and its smallest dihedral angle in degrees, stand in `report.source`.
         numbering: one of NUMBERINGS; "natural" is layer by layer.
-        seed: of the moved points, and of the shuffling.
+        seed: of the moved points, and of the shuffling, 0 or more.
 
     Raises:
-        InputError: an unknown model or numbering, or fewer than one tetra wanted.
+        InputError: an unknown model or numbering, fewer than one tetra wanted, or a seed below 0.
         MemoryRefusedError: more tets wanted than there is memory for.
     """
     model: Model = find_named("model", MODELS, name)
     find_named("numbering", NUMBERINGS, numbering)  # before the work, not after it
+    check_seed(seed)
     wanted = model.tets if tets is None else tets
     if wanted < 1:
         raise InputError(f"a model of {wanted} tets cannot be made; ask for at least 1")
