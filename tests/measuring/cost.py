@@ -23,9 +23,9 @@ RUNS = {
 """Part -> what `tetrabench run` is told. The last two leave out the backends that take minutes for one sample."""
 
 MODELS = {
-    "cost-10k": "nozzle-10000-natural-0.nas",
-    "cost-120k": "nozzle-120000-natural-0.nas",
-    "cost-1M": "nozzle-1000000-natural-0.nas",
+    "cost-10k": "nozzle-10000-natural-0*.nas",
+    "cost-120k": "nozzle-120000-natural-0*.nas",
+    "cost-1M": "nozzle-1000000-natural-0*.nas",
 }
 """Their files in the user's cache."""
 
@@ -43,7 +43,8 @@ def measure(part: str, folder: Path, *, tiny: bool) -> Part:
     file.unlink(missing_ok=True)
     chosen = ["--model", "box", "--tets", "2k", "--quick", "--scenario", "alfa"] if tiny else RUNS[part]
     if not tiny:  # generating the model is a part of the run
-        (cache_root() / "models" / MODELS[part]).unlink(missing_ok=True)
+        for model in (cache_root() / "models").glob(MODELS[part]):
+            model.unlink()
     command = [sys.executable, "-m", "tetrabench", "run", *chosen, "-o", str(file)]
     begun, start = datetime.now(UTC).isoformat(timespec="seconds"), time.monotonic()
     with (folder / "log").open("w") as log:
