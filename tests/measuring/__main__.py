@@ -16,8 +16,8 @@ from tests.measuring import cost, page, picture, tools
 from tests.measuring.record import FOLDER, save
 
 ORDER = (
-    "tetrabench tetrabench tetrabench hyperfine pytest-benchmark tetrabench tetrabench pyperf pytest-benchmark tetrabench "
-    "tetrabench tetrabench hyperfine pytest-benchmark tetrabench tetrabench pyperf pytest-benchmark pair"
+    "tetrabench tetrabench tetrabench pytest-benchmark tetrabench hyperfine tetrabench tetrabench pytest-benchmark "
+    "tetrabench tetrabench pyperf tetrabench tetrabench pair"
 )
 """The sessions in turns, so that all tools are asked within the same hour."""
 

@@ -26,6 +26,9 @@ SHARES: Mapping[str, float] = {
 NAMES = ("alfa", "flow", "locate", "deform", "explode")
 """The scenarios: two that read, one that searches, one that moves points, one that changes the net."""
 
+FEW = NAMES[:2]
+"""Those that pyperf is asked about: each costs it twenty processes a contestant."""
+
 
 class Subject(NamedTuple):
     """What the scenario works on, and the share to burn."""

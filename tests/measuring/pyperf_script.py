@@ -9,7 +9,7 @@ from typing import Any
 
 import pyperf
 
-from tests.measuring.injected import NAMES, SHARES
+from tests.measuring.injected import FEW, SHARES
 from tests.measuring.workload import workload
 
 prepared = functools.cache(workload)  # in the process that measures, at its first turn
@@ -36,5 +36,5 @@ if __name__ == "__main__":
     runner = pyperf.Runner(add_cmdline_args=hand_on)
     runner.argparser.add_argument("--contestant", choices=SHARES, required=True)
     contestant = runner.parse_args().contestant
-    for name in NAMES:
+    for name in FEW:
         runner.bench_time_func(name, spent, name, contestant)

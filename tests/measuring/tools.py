@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from tests.measuring.busy import busy
-from tests.measuring.injected import NAMES, REFERENCE, SHARES
+from tests.measuring.injected import FEW, NAMES, REFERENCE, SHARES
 from tests.measuring.record import Comparison, Part
 from tests.measuring.workload import MODEL, ROOT, TETS, environment
 from tetrabench.bench.environment import cpu_ticks, describe_environment
@@ -165,7 +165,7 @@ def by_pyperf(seed: int, folder: Path, tiny: bool) -> Session:
     for contestant in COMPARED:
         command = [sys.executable, "-m", "pyperf", "compare_to", str(files[REFERENCE]), str(files[contestant])]
         said = call(command).stdout
-        for name in NAMES:
+        for name in FEW:
             ratio = suites[contestant][name] / suites[REFERENCE][name]
             comparisons.append(_compared(name, contestant, ratio, said_by_pyperf(said, name)))
     return Session(
@@ -173,7 +173,7 @@ def by_pyperf(seed: int, folder: Path, tiny: bool) -> Session:
         version=version("pyperf"),
         command=[commands[0], spoken(command).replace(str(folder), "out")],
         comparisons=comparisons,
-        sides=len(SHARES) * len(NAMES),
+        sides=len(SHARES) * len(FEW),
     )
 
 
