@@ -39,11 +39,16 @@ def start(target: Path, tmp_path: Path) -> Iterator[Callable[..., subprocess.Pop
     """start(word, ...): the run to `target`."""
     runs = []
 
-    def start(*words: str, **more: object) -> subprocess.Popen:
+    def start(*words: str, before: Callable[[], None] = lambda: None) -> subprocess.Popen:
+        def begin() -> None:
+            # a shell lets what it runs in the background ignore Ctrl-C, and so would all that this test starts
+            signal.signal(signal.SIGINT, signal.SIG_DFL)
+            before()
+
         command = [sys.executable, "-m", "tetrabench", "run", *PLAN.split(), "-o", str(target), *words]
         environment = {**os.environ, "SCRIPTED_PACE_S": "0.03", "SCRIPTED_RUN": str(tmp_path)}
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-        runs.append(subprocess.Popen(command, env=environment, **pipes, **more))
+        runs.append(subprocess.Popen(command, env=environment, preexec_fn=begin, **pipes))
         return runs[-1]
 
     yield start
@@ -148,7 +153,7 @@ def test_a_full_disk_is_one_line(target: Path, start):
     def fill() -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (6000, 6000))
 
-    full = start(preexec_fn=fill)
+    full = start(before=fill)
     said = complaint(full)
     assert said.startswith(f"tetrabench: {journal_path(target)}: cannot write: File too large")
     assert said.endswith("what was written before stays; with room for more, --resume goes on")
