@@ -104,7 +104,8 @@ class Scenario(Protocol):
         """Why this contestant cannot run it; None if it can."""
 
     def prepare(self, stage: Any, options: Options) -> Any:
-        """What `run` works on; fresh for every sample. Untimed."""
+        """What `run` works on; fresh for every sample, and in the same state: what a first run would find missing and
+        leave behind is there. Untimed."""
 
     def run(self, subject: Any) -> Any:
         """The workload. The only thing that is timed; returns its outcome."""

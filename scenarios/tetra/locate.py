@@ -40,7 +40,9 @@ class Locate(TetraScenario):
         """The points, in iteration order or, `shuffled`, in a random one."""
         net = stage.net()
         refs = self.choose(net.refs, options)
-        return Search(net, points_near_sides(net.storage, refs), self.method, refs)
+        points = points_near_sides(net.storage, refs)
+        net.locate(points, self.method)  # a walk that gets stuck leaves a grid behind, which later ones find
+        return Search(net, points, self.method, refs)
 
     def choose(self, refs: NDArray[np.int64], options: Options) -> NDArray[np.int64]:
         """The tetras to look for."""

@@ -187,6 +187,21 @@ def test_locate_finds_the_tetra_it_was_made_in(model):
         assert answer.figures == {"found": work.items, "missed": 0}
 
 
+@pytest.mark.parametrize("name", CONTESTANTS)
+def test_a_first_search_finds_what_later_ones_find(name, model, monkeypatch):
+    """The grid of those who get stuck is made before, and is no part of what is timed in some samples alone."""
+    stage = FAMILY.stage(registry.contestant("tetra", name), model, chained=False)
+    scenario = registry.scenario("tetra", "locate")
+    search = scenario.prepare(stage, scenario.options)
+    assert search.net._grid is not None
+
+    def refuse(net):
+        raise AssertionError("a grid was made in a run")
+
+    monkeypatch.setattr("tetrabench.tetra.locate.build_grid", refuse)
+    scenario.run(search)
+
+
 def test_shuffled_points_are_the_same_points(model):
     scenario = registry.scenario("tetra", "locate")
     stage = FAMILY.stage(registry.contestant("tetra", "v3y"), model, chained=False)
