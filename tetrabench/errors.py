@@ -23,12 +23,6 @@ class RepairableError(InputError):
     """A mesh whose faulty tetras can be left out: `--repair drop` does that."""
 
 
-class WrongAnswerError(TetrabenchError):
-    """A contestant's cell crashed or gave another answer than the others."""
-
-    exit_code = 3
-
-
 class NotComparableError(TetrabenchError):
     """Two runs, or two revisions, that say nothing about each other."""
 

@@ -1,5 +1,6 @@
 """What the scenarios on tetrahedral nets share."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
@@ -7,7 +8,7 @@ from tetrabench.protocols import Answer, Options, Work
 from tetrabench.tetra.net import TetraNet
 
 
-class TetraScenario:
+class TetraScenario(ABC):
     """A workload on a net: prepare (untimed), run (the only timed line), answer and work (untimed).
 
     Unless it says otherwise, what it works on is a net, and its answer is all of that net.
@@ -28,18 +29,18 @@ class TetraScenario:
         """A net for states only; a scenario that changes more asks for `stage.own_net()`."""
         return stage.net()
 
+    @abstractmethod
     def run(self, subject: Any) -> Any:
         """The workload."""
-        raise NotImplementedError
 
     def answer(self, subject: Any, outcome: Any) -> Answer:
         """The digest of the net."""
         net: TetraNet = subject
         return net.answer()
 
+    @abstractmethod
     def work(self, subject: Any, outcome: Any) -> Work:
         """How much was done."""
-        raise NotImplementedError
 
 
 def at_most_half(net: TetraNet, wanted: int) -> int:

@@ -25,6 +25,7 @@ from tetrabench.bench.messages import (
 )
 from tetrabench.bench.plan import control_of
 from tetrabench.bench.record import Yardsticks
+from tetrabench.protocols import ModelFacts
 
 BUILDING = {"letters": (3, 4)}
 
@@ -104,7 +105,7 @@ class Script:
             case Warm():
                 return Done(0.5)
             case Load():
-                return Loaded({"letters": 3}, {})
+                return Loaded({})
             case Measure():
                 return measured(said, repeats)
             case Weigh():
@@ -185,6 +186,7 @@ def scripted_plan(
     plan = Plan(
         family="scripted",
         models=dict.fromkeys(models, Path(__file__)),  # a file that is there
+        facts=dict.fromkeys(models, ModelFacts({"letters": 3})),
         tasks=tuple(Task(name=name, scenario=name) for name in tasks),
         backends=(*seats, *([control_of(seats[0])] if has_control else [])),
         reference="v0",

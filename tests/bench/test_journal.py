@@ -17,7 +17,7 @@ from tetrabench.bench import Backend, Sample, Task, exit_code, read_results
 from tetrabench.bench import journal as journal_module
 from tetrabench.bench.journal import Journal, journal_path, read_journal
 from tetrabench.bench.messages import Failed, Skipped
-from tetrabench.bench.record import SCHEMA, Launch, Memory, Model, Yardsticks
+from tetrabench.bench.record import SCHEMA, Launch, Memory, Yardsticks
 from tetrabench.bench.spawn import WorkerDied
 from tetrabench.errors import InputError
 
@@ -289,7 +289,6 @@ PARTS = st.one_of(
         structure=st.dictionaries(NAMES, st.tuples(st.integers(0, 2**62), st.integers(0, 2**62)), max_size=3),
         retained_bytes=st.none() | st.integers(-(2**40), 2**62),
     ),
-    st.builds(Model, name=st.just("tiny"), size=st.dictionaries(NAMES, st.integers(0, 2**62), max_size=3)),
     st.builds(
         Backend,
         name=st.sampled_from(["v0", "v1"]),

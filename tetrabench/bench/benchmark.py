@@ -282,11 +282,8 @@ class _Run:
         )
 
     def _learn(self, ring: Ring, model: str, launch: int) -> None:
-        """Write down what has become known about the model and the contestants."""
+        """Write down what has become known about the contestants."""
         run = self.journal.run
-        known = next(one for one in run.models if one.name == model)
-        if ring.model_size and known.size != ring.model_size:
-            self.journal.write(msgspec.structs.replace(known, size=ring.model_size))
         if launch == 0 and model == next(iter(self.plan.models)):
             for backend in ring.backends:
                 if backend not in run.backends:

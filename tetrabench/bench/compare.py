@@ -1,7 +1,7 @@
 """Two runs made at different times: the weaker way to see a regression; `gate` is the stronger one.
 
 What is compared, cell by cell, is the ratio to the reference contestant of the same run. The times themselves are not:
-on a shared machine the medians of one benchmark over 24 fresh processes spread 4.8 times (docs/comparing.md). A ratio
+on a shared machine they say more of the hour than of the code (docs/measuring.md shows it of other tools). A ratio
 is paired with the same round of its own run, and so survives another hour; not another machine or another compiler,
 which runs are therefore refused for. What no ratio shows is a change of the reference itself.
 

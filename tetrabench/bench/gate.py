@@ -1,7 +1,7 @@
 """Is head slower than base? Both versions of the code in one ring, each contestant against itself.
 
 All workers are alive together and take turns, so that whatever disturbs the machine disturbs both versions. The gate
-fails only where all of this holds (docs/comparing.md says how often each alone is wrong):
+fails only where all of this holds:
 
 - the interval of the ratio head / base excludes 1;
 - the ratio is above the limit;

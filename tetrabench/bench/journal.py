@@ -14,7 +14,7 @@ from typing import IO
 import msgspec
 from filelock import FileLock, Timeout
 
-from tetrabench.bench.record import SCHEMA, Backend, Launch, Memory, Model, Results, Sample
+from tetrabench.bench.record import SCHEMA, Backend, Launch, Memory, Results, Sample
 from tetrabench.errors import InputError
 
 SUFFIX = ".jsonl"
@@ -27,7 +27,6 @@ class _Line(msgspec.Struct, omit_defaults=True):
     """One of these: the run without what follows, or a part of it that has become known."""
 
     run: Results | None = None
-    model: Model | None = None
     backend: Backend | None = None
     memory: Memory | None = None
     launch: Launch | None = None
@@ -55,7 +54,7 @@ class Journal:
         self.run = run
         self._file = file
 
-    def write(self, part: Model | Backend | Memory | Launch | Sample) -> None:
+    def write(self, part: Backend | Memory | Launch | Sample) -> None:
         """Add a part.
 
         Raises:
@@ -198,7 +197,7 @@ def read_journal(path: Path) -> tuple[Results, int]:
     if run.profile == "thesis":
         lines = lines[: max(number for number, line in enumerate(lines, 1) if line.launch or number == 1)]
     for line in lines:
-        part = line.model or line.backend or line.memory or line.launch or line.sample
+        part = line.backend or line.memory or line.launch or line.sample
         if part is not None:
             run = _with(run, part)
     return run, sum(len(text) + 1 for text in texts[: len(lines)])
@@ -215,13 +214,11 @@ def _read_line(path: Path, number: int, text: bytes) -> _Line:
         raise InputError(f"{path}:{number}: no journal of tetrabench: {error}") from error
 
 
-def _with(run: Results, part: Model | Backend | Memory | Launch | Sample) -> Results:
+def _with(run: Results, part: Backend | Memory | Launch | Sample) -> Results:
     """A run that knows one thing more. (Its lists are its own.)"""
     match part:
-        case Model():
-            _replace(run.models, part)
         case Backend():
-            _replace(run.backends, part)
+            run.backends[[one.name for one in run.backends].index(part.name)] = part
         case Memory():
             run.memory.append(part)
         case Launch():
@@ -229,11 +226,6 @@ def _with(run: Results, part: Model | Backend | Memory | Launch | Sample) -> Res
         case Sample():
             run.samples.append(part)
     return run
-
-
-def _replace(known: list, part: Model | Backend) -> None:  # type: ignore[type-arg]
-    names = [one.name for one in known]
-    known[names.index(part.name)] = part
 
 
 def _refuse_another(path: Path, earlier: Results, run: Results) -> None:

@@ -76,9 +76,8 @@ class Done(msgspec.Struct, frozen=True, tag=True):
 
 
 class Loaded(msgspec.Struct, frozen=True, tag=True):
-    """The model as it was found, and the bytes (used, reserved) of each buffer of the fresh structure."""
+    """The model is read. The bytes (used, reserved) of each buffer of the structure, where it stands by now."""
 
-    model_size: dict[str, int]
     structure: dict[str, tuple[int, int]]
 
 

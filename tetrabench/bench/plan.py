@@ -40,7 +40,7 @@ class Plan:
     """A run to be made.
 
     Attributes:
-        models: name -> file; facts: name -> what it holds, as far as that is known before the run.
+        models: name -> file; facts: name -> what it holds.
         backends: with the controls; in the order of tables and charts.
         checkouts: folder of the packages that a backend's worker imports first, by `Backend.checkout`.
         threads: how many a worker may use; those of serial tasks share one core.

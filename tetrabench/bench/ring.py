@@ -85,7 +85,6 @@ class Ring:
     """Contestants with their workers, for one launch. A context: the workers end with it.
 
     Attributes:
-        model_size: how large the model is, once a worker has seen it.
         seconds: wall time by what it was spent on, see `record.Launch`.
         core: that the workers share in serial tasks.
     """
@@ -102,7 +101,6 @@ class Ring:
         launch: int = 0,
         group: int = 0,
     ) -> None:
-        self.model_size: dict[str, int] = {}
         self.seconds = dict.fromkeys(("starting", "compiling", "reading", "preparing", "samples", "answers"), 0.0)
         self._plan, self._agenda, self._progress, self._spawn = plan, agenda, progress, spawn
         self._model, self._launch, self._group = model, launch, group
@@ -187,7 +185,6 @@ class Ring:
         if isinstance(reply, Done):
             reply = self._ask(seat, Load(str(self._plan.models[self._model])), "reading")
         if isinstance(reply, Loaded):
-            self.model_size = reply.model_size
             if reply.structure:
                 seat.learn(structure=reply.structure)
         elif isinstance(reply, End):

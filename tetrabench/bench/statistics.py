@@ -19,7 +19,7 @@ from tetrabench.bench.record import Backend, Launch, Results, Sample
 ALIKE = 1.05
 """An interval within this, either way, means the same."""
 BEYOND = 1.01
-"""An interval must exclude 1 by so much: systematic differences of one percent between equal processes were seen."""
+"""An interval must exclude 1 by so much: nobody asks about less, and two processes may differ by it for good."""
 CLEAR = 3.0
 """Where launches are too few for an interval, only ratios that are all beyond this rank: see docs/measuring.md."""
 SHORTEST_S = 0.005

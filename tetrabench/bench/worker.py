@@ -9,11 +9,10 @@ import gc
 import math
 import os
 import sys
-from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from time import perf_counter
-from typing import Any, BinaryIO
+from typing import BinaryIO
 
 from tetrabench import registry
 from tetrabench.bench.catalogue import Registry
@@ -94,10 +93,10 @@ class Worker:
                 return Done(perf_counter() - start, count_compiled() - compiled)
             case Load():
                 stage = self._set_stage(Path(request.model))
-                size = _integers(stage.model_size())
+                stage.model_size()  # reads the model
                 gc.collect()
                 gc.freeze()  # the compiler's objects: to look through them before each sample takes 50 ms
-                return Loaded(size, _structure(stage))
+                return Loaded(_structure(stage))
             case Measure():
                 return self._measure(request.scenario, request.options, request.repeats)
             case Weigh():
@@ -184,10 +183,6 @@ def take_sample(scenario: Scenario, stage: Stage, options: Options, repeats: int
 
 def _structure(stage: Stage) -> dict[str, tuple[int, int]]:
     return {name: (int(used), int(reserved)) for name, (used, reserved) in stage.structure_bytes().items()}
-
-
-def _integers(counts: Mapping[str, Any]) -> dict[str, int]:
-    return {name: int(count) for name, count in counts.items()}  # numpy's integers are none to JSON
 
 
 def _number(figure: float) -> float | None:
