@@ -1,6 +1,7 @@
 """A run whose workers are scripts: no process, no clock but theirs."""
 
 import dataclasses
+import time
 from collections import defaultdict
 from collections.abc import Callable
 from pathlib import Path
@@ -209,3 +210,15 @@ def places(samples: list[Sample]) -> list[Place]:
 def of(results: Results, backend: str, task: str | None = None) -> list[Sample]:
     """The samples of a backend, in a task or in all."""
     return [one for one in results.samples if one.backend == backend and task in (None, one.task)]
+
+
+PATIENCE_S = 60.0
+"""Longer than whatever a test waits for takes."""
+
+
+def wait_until(is_so: Callable[[], bool]) -> None:
+    """Go on once that is so."""
+    end = time.monotonic() + PATIENCE_S
+    while not is_so():
+        assert time.monotonic() < end, "it never came to that"
+        time.sleep(0.005)

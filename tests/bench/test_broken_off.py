@@ -5,14 +5,13 @@ import resource
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from itertools import product
 from pathlib import Path
 
 import pytest
 
-from tests.bench.scripted import places
+from tests.bench.scripted import PATIENCE_S, places, wait_until
 from tetrabench.bench import read_results
 from tetrabench.bench.journal import journal_path, read_journal
 
@@ -26,7 +25,6 @@ SAMPLES = sorted(
     ("tiny", *place)
     for place in product(["first", "second"], ["steady", "other", "steady control"], range(3), range(2))
 )
-PATIENCE_S = 60.0
 
 
 @pytest.fixture
@@ -58,13 +56,6 @@ def start(target: Path, tmp_path: Path) -> Iterator[Callable[..., subprocess.Pop
         os.kill(process, signal.SIGKILL)
     for run in runs:
         run.communicate()
-
-
-def wait_until(is_so: Callable[[], bool]) -> None:
-    end = time.monotonic() + PATIENCE_S
-    while not is_so():
-        assert time.monotonic() < end, "it never came to that"
-        time.sleep(0.005)
 
 
 def sampled(target: Path) -> int:

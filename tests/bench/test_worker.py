@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.bench.scripted import of
+from tests.bench.scripted import of, wait_until
 from tetrabench.bench import exit_code, make_plan, run_benchmark, spawn, summary
 from tetrabench.bench.catalogue import Inquiry
 from tetrabench.bench.messages import (
@@ -272,9 +272,9 @@ def test_a_very_long_reply_arrives_whole_with_and_without_a_limit_of_time(on_sta
 def test_what_a_worker_started_ends_with_it(on_stage):
     worker = on_stage("parenting")
     child = Path(f"/proc/{worker.ask(Measure('second', COUNT)).items}/stat")
-    assert "(sleep) S" in child.read_text()
+    wait_until(lambda: "(sleep) S" in child.read_text())  # it has begun
     worker.kill()
-    assert not child.exists() or "(sleep) Z" in child.read_text()  # or waits for somebody to take note
+    wait_until(lambda: not child.exists() or "(sleep) Z" in child.read_text())  # or nobody has taken note yet
 
 
 # ---------------------------------------------------------------------- a worker that is asked for facts

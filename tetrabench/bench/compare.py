@@ -19,16 +19,24 @@ import msgspec
 
 from tetrabench.bench.limits import Limits, MemoryChange, compare_memory, failures
 from tetrabench.bench.pairs import CONFIDENCE
-from tetrabench.bench.record import Results, Sample
-from tetrabench.bench.statistics import ALIKE, BAD, Row, differs, fewest_launches, launch_ratios, summary
+from tetrabench.bench.record import Results
+from tetrabench.bench.statistics import (
+    ALIKE,
+    BAD,
+    Cell,
+    Row,
+    differs,
+    fewest_launches,
+    launch_ratios,
+    samples_of,
+    summary,
+)
 from tetrabench.errors import NotComparableError
 
 FACTS = ("processor", "architecture", "cores", "system", "python", "numpy", "numba", "llvmlite")
 """Of an environment: where one of them differs, so may any ratio."""
 RESAMPLES = 20_000
 """Permutations that are tried where there are more; all of them up to two runs of 8 launches."""
-
-Cell = tuple[str, str, str]  # model, task, backend
 
 
 class Change(msgspec.Struct, frozen=True, kw_only=True):
@@ -160,9 +168,7 @@ class _Run:
         self.doubts = {
             (row.model, row.task, row.against): row.ratio for row in rows if row.control and differs(row, fewest)
         }
-        self._samples: dict[Cell, list[Sample]] = {}
-        for sample in results.samples:
-            self._samples.setdefault((sample.model, sample.task, sample.backend), []).append(sample)
+        self._samples = samples_of(results)
 
     def launches(self, row: Row) -> list[float]:
         """ln(contestant / reference) of each launch."""

@@ -1,6 +1,5 @@
 """What can be trusted on this machine: facts that measuring depends on, what each means, what to do about it."""
 
-import ctypes
 import functools
 import os
 import shutil
@@ -14,7 +13,7 @@ import msgspec
 
 from tetrabench import memory
 from tetrabench.bench.environment import cpu_ticks, load, steal_share, usable_cores
-from tetrabench.bench.memory import peak_bytes, reset_peak
+from tetrabench.bench.memory import peak_bytes, reset_peak, trim_heap
 from tetrabench.bench.pairs import FEWEST, Ratio, in_turn, paired_ratio
 from tetrabench.errors import TetrabenchError
 from tetrabench.folders import cache_root
@@ -80,7 +79,7 @@ def cores(root: Path) -> Fact:
 def pinning() -> Fact:
     """Whether a process can be kept on one core."""
     if not hasattr(os, "sched_setaffinity"):
-        advice = "workers move between cores: a launch may be off by 30 %; make more launches, or measure on Linux"
+        advice = "workers move between cores: a whole launch may be off; make more of them, or measure on Linux"
         return Fact(name="pinning", value="not on this system", state=CAREFUL, advice=advice)
     before = os.sched_getaffinity(0)
     try:
@@ -240,12 +239,10 @@ def rollup(root: Path) -> Fact:
 
 def trimming() -> Fact:
     """Whether the allocator gives back what is free."""
-    try:
-        ctypes.CDLL(None).malloc_trim(0)
-    except (AttributeError, OSError, TypeError):
-        advice = "what the allocator keeps counts as the next structure's: peaks are too low, retained memory too high"
-        return Fact(name="trimming", value="not with this C library", state=CAREFUL, advice=advice)
-    return Fact(name="trimming", value="possible (malloc_trim)")
+    if trim_heap():
+        return Fact(name="trimming", value="possible (malloc_trim)")
+    advice = "what the allocator keeps counts as the next structure's: peaks are too low, retained memory too high"
+    return Fact(name="trimming", value="not with this C library", state=CAREFUL, advice=advice)
 
 
 def cache(folder: Path) -> Fact:

@@ -31,7 +31,7 @@ from tetrabench.bench.messages import Described
 from tetrabench.bench.plan import Plan, control_of
 from tetrabench.bench.progress import Progress, Silence
 from tetrabench.bench.record import Backend, Results, Sample
-from tetrabench.bench.statistics import BAD, BEYOND, Row, fewest_launches, launch_ratios, summary
+from tetrabench.bench.statistics import BAD, BEYOND, Row, fewest_launches, launch_ratios, samples_of, summary
 from tetrabench.errors import InputError, NotComparableError, TetrabenchError
 
 SCHEMA = "tetrabench-gate/1"
@@ -219,9 +219,7 @@ def seat_both(plan: Plan, base: Checkout, head: Checkout) -> Plan:
 
 def judge(results: Results, limits: Limits) -> list[Finding]:
     """What a run of both versions says of each cell, before it is confirmed."""
-    samples: dict[tuple[str, str, str], list[Sample]] = {}
-    for sample in results.samples:
-        samples.setdefault((sample.model, sample.task, sample.backend), []).append(sample)
+    samples = samples_of(results)
     rows = {(row.model, row.task, row.backend): row for row in summary(results)}
     heads = [one for one in results.backends if one.checkout == HEAD]
     fewest = fewest_launches(len(heads))

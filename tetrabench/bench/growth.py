@@ -2,8 +2,8 @@
 
 Each launch gives one exponent, fitted by least squares to ln(time) over ln(size); over launches their median counts,
 with the interval of the sign test (see `statistics`); each holds with CONFIDENCE for itself, since none is compared with
-another. 1 is linear; 0 is a task that does the same
-work whatever the size; a little over 1 is what a sweep shows that leaves one cache after the other.
+another. 1 is linear; 0 is a task that does the same work whatever the size; a little over 1 is what a sweep shows that
+leaves one cache after the other.
 """
 
 import math
@@ -15,7 +15,7 @@ import msgspec
 
 from tetrabench.bench.pairs import CONFIDENCE
 from tetrabench.bench.record import Results, Sample
-from tetrabench.bench.statistics import SHORTEST_S, Row, interval_over, summary
+from tetrabench.bench.statistics import SHORTEST_S, Row, interval_over, summary, total_of
 
 FEWEST_SIZES = 5
 WIDEST = 30.0
@@ -79,8 +79,8 @@ def _grown(rows: Sequence[Row], samples: Iterable[Sample], sizes: dict[str, int]
     clock = "wall" if any(row.clock == "wall" for row in rows) else "cpu"  # one for all sizes
     seconds: dict[str, dict[int, list[float]]] = {}  # by model, by launch
     for sample in samples:
-        total = sample.wall_s if clock == "wall" else sample.cpu_s
-        if sample.status == "ok" and total and total >= SHORTEST_S:
+        total = total_of(sample, clock)
+        if sample.status == "ok" and total >= SHORTEST_S:
             seconds.setdefault(sample.model, {}).setdefault(sample.launch, []).append(total / sample.repeats)
     used = [row.model for row in rows if row.status == "ok" and _is_long(row, seconds.get(row.model, {}))]
     known = sorted({sizes[model] for model in used})

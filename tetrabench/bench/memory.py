@@ -7,7 +7,6 @@ say None or do nothing.
 
 import ctypes
 import gc
-from contextlib import suppress
 from pathlib import Path
 
 _PROCESS = Path("/proc/self")
@@ -21,10 +20,13 @@ WEIGHING = {
 """Environment of a process whose memory is looked at: what it holds is then what its structures hold."""
 
 
-def trim_heap() -> None:
-    """Give the allocator's free memory back to the system (C: malloc_trim)."""
-    with suppress(AttributeError, OSError, TypeError):  # not the GNU C library
+def trim_heap() -> bool:
+    """Give the allocator's free memory back to the system (C: malloc_trim); False where the C library cannot."""
+    try:
         ctypes.CDLL(None).malloc_trim(0)
+    except (AttributeError, OSError, TypeError):  # not the GNU C library
+        return False
+    return True
 
 
 def reset_peak() -> bool:

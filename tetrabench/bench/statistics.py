@@ -101,6 +101,15 @@ class Interval(NamedTuple):
 
 
 Place = tuple[int, int, int]  # launch, group, round
+Cell = tuple[str, str, str]  # model, task, backend
+
+
+def samples_of(results: Results) -> dict[Cell, list[Sample]]:
+    """The samples of each cell, in their order."""
+    cells: dict[Cell, list[Sample]] = {}
+    for sample in results.samples:
+        cells.setdefault((sample.model, sample.task, sample.backend), []).append(sample)
+    return cells
 
 
 def summary(results: Results) -> list[Row]:
@@ -258,23 +267,23 @@ def _place(sample: Sample) -> Place:
     return sample.launch, sample.group, sample.round
 
 
-def _total(sample: Sample, clock: str) -> float:
+def total_of(sample: Sample, clock: str) -> float:
     """All repeats of a sample, seconds."""
     return (sample.wall_s if clock == "wall" else sample.cpu_s) or 0.0
 
 
 def _seconds(sample: Sample, clock: str) -> float:
     """One run of the scenario, seconds."""
-    return _total(sample, clock) / sample.repeats
+    return total_of(sample, clock) / sample.repeats
 
 
 def _counted(sample: Sample, clock: str) -> float:
     """One run of the scenario, where a sample counts as SHORTEST_S at least."""
-    return max(_total(sample, clock), SHORTEST_S) / sample.repeats
+    return max(total_of(sample, clock), SHORTEST_S) / sample.repeats
 
 
 def _is_long(samples: list[Sample], clock: str) -> bool:
-    return median(_total(sample, clock) for sample in samples) >= SHORTEST_S
+    return median(total_of(sample, clock) for sample in samples) >= SHORTEST_S
 
 
 def _ran_parallel(samples: list[Sample]) -> bool:
