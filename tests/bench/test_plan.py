@@ -152,6 +152,14 @@ class TestMakePlan:
         }
         assert {name: path.name for name, path in plan_of(tets=[100]).models.items()} == {"tiny": "model-100"}
 
+    def test_sweeps_over_numberings(self):
+        plan = plan_of(numberings=["natural", "shuffled", "natural"])
+        assert list(plan.models) == ["tiny", "tiny shuffled"]
+        assert plan.command.endswith(" --numbering natural,shuffled")
+        assert "numbering" not in plan_of().command
+        with pytest.raises(InputError, match="several sizes and several numberings: sweep over one"):
+            plan_of(numberings=["natural", "shuffled"], tets=[100, 300])
+
     def test_sweeps_over_options(self):
         plan = plan_of(scenarios=["first", "second"], options={"first.count": [3, 5], "count": [7]})
         assert [(task.name, task.options) for task in plan.tasks] == [

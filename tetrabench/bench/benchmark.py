@@ -36,7 +36,7 @@ def run(
     scenarios: Sequence[str] | None = None,
     profile: str = "default",
     tets: Sequence[int] | int | None = None,
-    numbering: str = "natural",
+    numbering: Sequence[str] | str = "natural",
     seed: int = 0,
     output: Path | None = None,
     progress: Progress | None = None,
@@ -55,7 +55,7 @@ def run(
         scenarios=scenarios,
         profile=profile,
         tets=[tets] if isinstance(tets, int) else tets,
-        numbering=numbering,
+        numberings=[numbering] if isinstance(numbering, str) else numbering,
         seed=seed,
     )
     return run_benchmark(plan, progress=progress, output=output)

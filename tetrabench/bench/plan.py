@@ -108,7 +108,7 @@ def make_plan(
     rounds: int | None = None,
     tets: Sequence[int] | None = None,
     options: Mapping[str, Sequence[int]] | None = None,
-    numbering: str = "natural",
+    numberings: Sequence[str] = ("natural",),
     seed: int = 0,
     budget_s: float | None = None,
     timeout_s: float = TIMEOUT_S,
@@ -125,14 +125,18 @@ def make_plan(
         launches, rounds: so many instead of the profile's.
         tets: sizes of a generated model, in elements; several make a sweep.
         options: counts of scenarios by name, "sweeps" or "alfa.sweeps"; several values make a sweep.
-        numbering: of a generated model: "natural", "shuffled", "hilbert" or "rcm".
+        numberings: of a generated model: "natural", "shuffled", "hilbert" or "rcm"; several make a sweep.
         seed: of a generated model, and of the order of turns.
         budget_s, timeout_s: see `Plan`.
         guide: who knows families and finds models; this process unless it shall stay small.
 
     Raises:
-        InputError: unknown names, a model that is not there, a count below 1, more than one round with the thesis.
+        InputError: unknown names, a model that is not there, a count below 1, more than one round with the thesis, a
+            sweep over sizes and numberings at once.
     """
+    numberings = list(dict.fromkeys(numberings))
+    if len(tets or ()) > 1 and len(numberings) > 1:
+        raise InputError("several sizes and several numberings: sweep over one of them at a time")
     guide = guide or Registry()
     kind = guide.describe(family)
     chosen = _choose("backend", kind.contestants, backends)
@@ -157,7 +161,7 @@ def make_plan(
         rounds=rounds,
         tets=tets,
         option=[f"{name}={','.join(map(str, values))}" for name, values in (options or {}).items()],
-        numbering=numbering if numbering != "natural" else None,
+        numbering=numberings if numberings != ["natural"] else None,
         seed=seed or None,
         budget=f"{budget_s:g}" if budget_s is not None else None,
         timeout=f"{timeout_s:g}" if timeout_s != TIMEOUT_S else None,
@@ -167,6 +171,7 @@ def make_plan(
             Find(family, str(model), size, numbering, seed)
         )
         for size in (dict.fromkeys(tets) if tets else [None])
+        for numbering in numberings
     }
     return Plan(
         family=family,

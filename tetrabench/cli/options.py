@@ -80,17 +80,24 @@ def check_numbering(ctx: click.Context, param: click.Parameter, name: str) -> st
     return name
 
 
+def check_numberings(ctx: click.Context, param: click.Parameter, text: str) -> list[str]:
+    """Names of numberings by commas; several make a sweep."""
+    return [check_numbering(ctx, param, name.strip()) for name in text.split(",")]
+
+
 seed_option = click.option(
     "--seed", type=click.IntRange(min=0), default=0, help="Of all that is random.", show_default=True
 )
 family_option = click.option("--family", default="tetra", show_default=True, help="The kind of thing to store.")
-numbering_option = click.option(
-    "--numbering",
-    metavar="natural|shuffled|hilbert|rcm",  # those of mesh.numbering: help must not wait for numpy
-    callback=check_numbering,
-    default="natural",
-    show_default=True,
-    help="Order of points and tetras: as they come, at random, along a Hilbert curve, or by reverse Cuthill-McKee.",
+_NUMBERING: dict[str, Any] = {
+    "metavar": "natural|shuffled|hilbert|rcm",  # those of mesh.numbering: help must not wait for numpy
+    "default": "natural",
+    "show_default": True,
+}
+_ORDERS = "Order of points and tetras: as they come, at random, along a Hilbert curve, or by reverse Cuthill-McKee"
+numbering_option = click.option("--numbering", callback=check_numbering, help=f"{_ORDERS}.", **_NUMBERING)
+numberings_option = click.option(
+    "--numbering", "numberings", callback=check_numberings, help=f"{_ORDERS}; several make a sweep.", **_NUMBERING
 )
 repair_option = click.option(
     "--repair",
@@ -167,7 +174,7 @@ def _subject_options() -> list[Callable[..., Any]]:
         click.option("--scenario", "scenarios", **names),
         click.option("--tets", callback=read_counts, metavar="N,N", help=size_help),
         click.option("--option", "options", multiple=True, callback=read_options, metavar="NAME=N,N", help=option_help),
-        numbering_option,
+        numberings_option,
     ]
 
 
