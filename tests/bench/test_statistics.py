@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from tests.report.made import REFERENCE, make_results, slow
 from tetrabench.bench import Backend, Effort, Results, Sample, Task, exit_code, summary
 from tetrabench.bench.pairs import CONFIDENCE, fewest_for, interval_rank
 from tetrabench.bench.plan import control_of
@@ -22,6 +23,8 @@ from tetrabench.bench.statistics import (
     fewest_launches,
     interval_over,
     launch_ratios,
+    rebased,
+    summary_against,
     verdict_of,
 )
 
@@ -413,3 +416,27 @@ def test_memory_that_went_wrong_or_is_unaccounted_for_is_3():
     assert exit_code(results(good, memory=[Memory(**weighed, retained_bytes=4 * mebi - 1)])) == 3
     assert exit_code(results(good, memory=[Memory(**weighed)])) == 0
     assert exit_code(results(good, memory=[Memory(model="box", backend="v3y", status="crash")])) == 3
+
+
+# ---------------------------------------------------------------------- another reference
+
+
+def test_another_reference_takes_the_same_rounds():
+    results = make_results(wobble=0.02)
+    theirs = {(row.task, row.backend): row for row in summary_against(results, "v4")}
+    for row in summary(results):
+        if row.backend == "v4":  # seen from the other end: a ratio and its interval turn over
+            other = theirs[row.task, REFERENCE]
+            assert (other.ratio, other.low, other.high) == pytest.approx((1 / row.ratio, 1 / row.high, 1 / row.low))
+            assert {other.verdict, row.verdict} in ({"slower", "faster"}, {"same"}, {"inconclusive"})
+    assert {row.verdict for row in theirs.values() if row.backend == "v4"} == {"reference"}
+    assert not any(row.control for row in theirs.values())
+    assert summary(rebased(results, REFERENCE)) == summary(results)
+
+
+def test_a_control_casts_its_doubt_whoever_the_reference_is():
+    results = slow(make_results(wobble=0.0), "alfa", f"{REFERENCE} control", 1.5)
+    rows = {(row.task, row.backend): row for row in summary_against(results, "v4")}
+    assert rows["alfa", "v3"].verdict == "inconclusive"
+    assert "a second copy of v3y, took 1.50 times" in rows["alfa", "v3"].reason
+    assert rows["flow", "v3"].verdict == "faster"

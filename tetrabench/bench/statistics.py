@@ -126,6 +126,27 @@ def summary(results: Results) -> list[Row]:
     ]
 
 
+def rebased(results: Results, base: str) -> Results:
+    """The same run with every contestant compared with `base`, by the name of a backend, instead of its reference.
+
+    Ratios come from the same rounds as before. The controls are left out but for base's own: see `summary_against`.
+    """
+    backends = [one for one in results.backends if not one.control or one.against == base]
+    moved = [msgspec.structs.replace(one, against=base) for one in backends]
+    return msgspec.structs.replace(results, backends=moved, reference=base)
+
+
+def summary_against(results: Results, base: str) -> list[Row]:
+    """The rows of `summary` with another reference; where a control casts doubt on a task, it does so here too."""
+    doubts = {
+        (row.model, row.task): row.reason
+        for row in summary(results)
+        if row.verdict == "inconclusive" and row.reason and not row.control
+    }
+    rows = summary(rebased(results, base))
+    return [_unclear(row, doubts[row.model, row.task]) if (row.model, row.task) in doubts else row for row in rows]
+
+
 def _rows(
     cells: Mapping[str, list[Sample]], backends: Sequence[Backend], parallel: bool, launches: Sequence[Launch]
 ) -> list[Row]:
@@ -161,9 +182,13 @@ def differs(row: Row, fewest: int) -> bool:
 
 def _doubt(row: Row, control: Row) -> Row:
     """A row next to a control that differs from the reference: no difference can be believed."""
+    return _unclear(row, f"the control, a second copy of {row.against}, took {control.ratio:.2f} times as long as it")
+
+
+def _unclear(row: Row, reason: str) -> Row:
+    """A row that ranks nothing, for that reason."""
     if row.verdict not in ("faster", "slower", "same"):
         return row
-    reason = f"the control, a second copy of {row.against}, took {control.ratio:.2f} times as long as it"
     return msgspec.structs.replace(row, verdict="inconclusive", is_bound=False, reason=reason)
 
 
