@@ -2,7 +2,8 @@
 
 An entry point is named after its family, and names an explicit table: one `Family` in the group
 `tetrabench.families`, an iterable of contestants in `tetrabench.contestants`, of scenarios in
-`tetrabench.scenarios`. Only the tables of the family that is asked for are imported.
+`tetrabench.scenarios`, and what its source published, one `Source`, in `tetrabench.sources`. Only the tables of the
+family that is asked for are imported.
 """
 
 import functools
@@ -12,6 +13,7 @@ from typing import Any
 
 from tetrabench.errors import InputError, find_named
 from tetrabench.protocols import Contestant, Family, Scenario
+from tetrabench.sources import Source
 
 
 def families() -> list[Family]:
@@ -69,6 +71,18 @@ def scenario(family_name: str, name: str) -> Scenario:
     """
     known: dict[str, Scenario] = _members("tetrabench.scenarios", family_name)
     return find_named("scenario", known, name)
+
+
+def source(family_name: str) -> Source:
+    """What the source of a family published.
+
+    Raises:
+        InputError: its plug-in cannot be imported, two of them use one name, or the family has no source.
+    """
+    found = _entry_points("tetrabench.sources")
+    known = _by_name((entry.name, entry, _distribution(entry)) for entry in found)
+    loaded: Source = _load(find_named("source of the family", known, family_name))
+    return loaded
 
 
 @functools.cache

@@ -1,0 +1,436 @@
+"""What a source published beside what runs measured: tables of both, and finding by finding whether it still holds.
+
+A model of a run is the source's where its name begins with the same word: "nozzle", "nozzle shuffled", "nozzle-100000".
+A finding holds where all figures that it rests on lie between its limits, interval and all. Where launches are too few
+for intervals, a figure may be off by statistics.CLEAR either way.
+"""
+
+import math
+import re
+from collections.abc import Container, Iterable, Sequence
+from itertools import chain, count
+from typing import Any, Literal
+
+import msgspec
+
+from tetrabench.bench.record import Memory, Results
+from tetrabench.bench.statistics import CLEAR, Interval, rebased, summary_against
+from tetrabench.errors import InputError
+from tetrabench.report.cells import MISSING, interval_of, ratio_of
+from tetrabench.report.memory import memories
+from tetrabench.report.notes import about_end, about_machine, fewer_than_asked
+from tetrabench.report.parts import Part, make_parts
+from tetrabench.report.thesis_facts import NOWHERE, Measured, Published
+from tetrabench.report.units import digits
+from tetrabench.sources import Finding, Reading, Source
+
+Verdict = Literal["holds", "holds no longer", "cannot tell", "not measured"]
+SHOWN = 3
+"""So many figures stand in a sentence of evidence at most."""
+
+
+class Entry(msgspec.Struct, frozen=True, kw_only=True):
+    """A contestant in a task, then and today.
+
+    Attributes:
+        then_s: seconds as the source printed them; then_ratio: as a multiple of its reference's.
+        seconds: today's median, for one run of the scenario with today's counts.
+        ratio: today's, with the ends of its interval, or of its range over the launches; None where none may be shown.
+        is_whole: whether these are the ends of an interval.
+        verdict: see statistics.Row; "missing" where there is no sample.
+        sign: what a table says of it, see `cells`; interval: the same with its ends.
+    """
+
+    task: str
+    contestant: str
+    then_s: float | None = None
+    then_ratio: float | None = None
+    seconds: float | None = None
+    ratio: float | None = None
+    low: float | None = None
+    high: float | None = None
+    is_whole: bool = False
+    verdict: str = MISSING
+    sign: str = MISSING
+    interval: str = MISSING
+
+
+class Held(msgspec.Struct, frozen=True, kw_only=True):
+    """The memory of a contestant, then and today: bytes today by kind (see `memory`), each as a multiple of the
+    reference's in `ratios`."""
+
+    contestant: str
+    then_kb: int | None = None
+    then_ratio: float | None = None
+    bytes: dict[str, int] = {}
+    ratios: dict[str, float] = {}
+
+
+class Subject(msgspec.Struct, frozen=True, kw_only=True):
+    """A model of a run beside the source's.
+
+    Attributes:
+        name: unique in the comparison; model: that of the source; figure: the number of the source's that shows it.
+        title: the model, its size, how often it was measured.
+        counts: by task, what was done "today (then)", where the source has counts.
+        command, machine: of the run.
+        has_intervals: whether there were launches enough for intervals anywhere.
+        notes: what spoils its figures, a sentence each.
+    """
+
+    name: str
+    model: str
+    figure: str
+    title: str
+    then_title: str
+    counts: dict[str, str]
+    command: str
+    machine: str
+    has_intervals: bool
+    entries: list[Entry]
+    memory: list[Held]
+    notes: list[str] = []
+
+    def entry(self, task: str, contestant: str) -> Entry:
+        """A cell of its table."""
+        return next(one for one in self.entries if (one.task, one.contestant) == (task, contestant))
+
+
+class Proof(msgspec.Struct, frozen=True, kw_only=True):
+    """A figure that an outcome rests on: today's with its ends (None where there is none), and the source's own.
+
+    A share is a part of 1. `least` and `most` are the limits that it has to lie between, None where it has none.
+    """
+
+    about: str
+    outcome: str
+    figure: float | None = None
+    low: float | None = None
+    high: float | None = None
+    is_whole: bool = False
+    then: float | None = None
+    least: float | None = None
+    most: float | None = None
+
+
+class Outcome(msgspec.Struct, frozen=True, kw_only=True):
+    """What a model says of a finding.
+
+    Attributes:
+        subject: its name.
+        outcome: what today's figures say; then: the same asked of the source's own tables.
+        evidence: a sentence with the figures that decide.
+        proofs: all figures that it rests on.
+    """
+
+    subject: str
+    outcome: Verdict
+    then: Verdict
+    evidence: str
+    proofs: list[Proof]
+
+
+class Judged(msgspec.Struct, frozen=True, kw_only=True):
+    """A finding (see sources.Finding) with what each model says of it."""
+
+    name: str
+    claim: str
+    section: str
+    asked: str
+    remark: str
+    outcomes: list[Outcome]
+
+
+class Comparison(msgspec.Struct, frozen=True, kw_only=True):
+    """A source beside today's runs. All of it is plain data: msgspec.json.encode takes it.
+
+    Attributes:
+        title, author, place, year, then_machine: of the source.
+        reference: the contestant that all ratios refer to.
+        tasks, contestants: those of the source's tables, in their order; contestants with their titles.
+        titles: of all contestants of the family, see record.Results.
+        notes: what is to be known of the source's figures.
+    """
+
+    title: str
+    author: str
+    place: str
+    year: int
+    then_machine: str
+    reference: str
+    tasks: list[str]
+    contestants: dict[str, str]
+    titles: list[str]
+    subjects: list[Subject]
+    findings: list[Judged]
+    notes: list[str]
+
+
+def compare_with_source(runs: Sequence[Results], source: Source) -> Comparison:
+    """What a source published beside what these runs measured on the same models.
+
+    Raises:
+        InputError: a run measured nothing, or without the source's reference, or none of them on a model of the source.
+    """
+    measured: dict[str, Measured] = {}
+    for run in runs:
+        for part in _parts_of(run, source):
+            measured[_unused(part, measured)] = Measured(part, source)
+    if not measured:
+        known = ", ".join(source.times)
+        raise InputError(f"no model in these results is the source's: name one after {known}, and run it")
+    _introduce(measured.values(), source)
+    return Comparison(
+        title=source.title,
+        author=source.author,
+        place=source.place,
+        year=source.year,
+        then_machine=source.machine,
+        reference=source.reference,
+        tasks=source.tasks,
+        contestants=dict(source.contestants),
+        titles=runs[0].titles,
+        subjects=[_subject(name, one, source) for name, one in measured.items()],
+        findings=[_judge(finding, measured, source) for finding in source.findings],
+        notes=list(source.notes),
+    )
+
+
+def model_of(name: str, source: Source) -> str | None:
+    """The source's model that a model of a run is named after; None where it is none."""
+    first = re.match(r"[^\W\d_]*", name.lower())
+    return first[0] if first and first[0] in source.times else None
+
+
+def _parts_of(run: Results, source: Source) -> list[Part]:
+    """The source's models in a run, compared with the source's reference."""
+    if not any(model_of(model.name, source) for model in run.models):
+        return []
+    if run.profile == "check":
+        raise InputError(f"'{run.command}' measured no times: run it without checking alone")
+    base = next((one.name for one in run.backends if one.contestant == source.reference and not one.control), None)
+    if base is None:
+        raise InputError(f"'{run.command}' ran without {source.reference}, which the source is compared by: add it")
+    parts = make_parts(rebased(run, base), summary_against(run, base))
+    return [part for part in parts if model_of(part.model.name, source)]
+
+
+def _unused(part: Part, names: Container[str]) -> str:
+    """The model's name, or where another run has it, one that says which run this is."""
+    name = part.model.name
+    known = chain((name, f"{name}, {part.results.profile}"), (f"{name}, run {number}" for number in count(2)))
+    return next(one for one in known if one not in names)
+
+
+def _introduce(measured: Iterable[Measured], source: Source) -> None:
+    """Models of different shape and the same numbering know each other."""
+    kinds: dict[str, dict[str, Measured]] = {}
+    for one in measured:
+        model = model_of(one.part.model.name, source) or ""
+        rest = one.part.model.name.lower().removeprefix(model)
+        one.beside = kinds.setdefault(f"{one.part.results.profile} {rest}", {})
+        one.beside.setdefault(model, one)
+
+
+# -- tables
+
+
+def _subject(name: str, measured: Measured, source: Source) -> Subject:
+    part = measured.part
+    model = model_of(part.model.name, source) or ""
+    few = fewer_than_asked(part)
+    doubted = {row.task: row.reason for row in part.rows.values() if row.verdict == "inconclusive" and row.reason}
+    ended = dict.fromkeys(
+        f"{row.backend} in {row.task}, {row.verdict}: {' '.join(row.reason.split())}."
+        for row in part.rows.values()
+        if row.status != "ok"
+    )
+    return Subject(
+        name=name,
+        model=model,
+        figure=next((number for number, of in source.figures.items() if of == model), ""),
+        title=part.title,
+        then_title=f"{model}: {source.models.get(model, '')}",
+        counts=_counts(measured, source),
+        command=part.results.command,
+        machine=about_machine(part.results),
+        has_intervals=part.has_intervals,
+        entries=[_entry(measured, task, one, model) for task in source.tasks for one in source.contestants],
+        memory=[_held(measured, one, model) for one in source.contestants],
+        notes=[
+            *filter(None, [about_end(part.results)]),
+            *([f"Fewer than asked for, the model is too small: {few}."] if few else []),
+            *(f"Nothing is ranked in {task}: {reason}." for task, reason in doubted.items()),
+            *ended,
+        ],
+    )
+
+
+def _counts(measured: Measured, source: Source) -> dict[str, str]:
+    """What was done in each task, today and then."""
+    options = {task.name: task.options for task in measured.part.results.tasks}
+    return {
+        task: ", ".join(
+            f"{options[measured.tasks[task]].get(name, 0):,} {name} ({source.year}: {n:,})"
+            for name, n in wanted.items()
+        )
+        for task, wanted in source.counts.items()
+        if task in measured.tasks
+    }
+
+
+def _entry(measured: Measured, task: str, contestant: str, model: str) -> Entry:
+    source = measured.source
+    then = source.times[model].get(task, {})
+    then_s, base_s = then.get(contestant), then.get(source.reference)
+    facts: dict[str, Any] = {"task": task, "contestant": contestant, "then_s": then_s}
+    facts["then_ratio"] = then_s / base_s if then_s is not None and base_s else None
+    row = measured.row(task, contestant)
+    if row is None:
+        return Entry(**facts)
+    is_shown = row.verdict in ("faster", "slower", "same", "about", "inconclusive")
+    facts |= {"seconds": row.seconds, "verdict": row.verdict, "sign": ratio_of(row), "interval": interval_of(row)}
+    if row.verdict == "reference":
+        facts["ratio"] = 1.0
+    elif is_shown:
+        is_whole = row.verdict != "about" and not row.is_bound
+        facts |= {"ratio": row.ratio, "low": row.low, "high": row.high, "is_whole": is_whole}
+    return Entry(**facts)
+
+
+def _held(measured: Measured, contestant: str, model: str) -> Held:
+    source = measured.source
+    then = source.memory.get(model, {})
+    then_kb, base_kb = then.get(contestant), then.get(source.reference)
+    today = memories(measured.part)
+    mine = _kinds(today.get(measured.names.get(contestant, "")))
+    base = _kinds(today.get(measured.names[source.reference]))
+    return Held(
+        contestant=contestant,
+        then_kb=then_kb,
+        then_ratio=then_kb / base_kb if then_kb and base_kb else None,
+        bytes=mine,
+        ratios={kind: size / base[kind] for kind, size in mine.items() if base.get(kind)},
+    )
+
+
+def _kinds(memory: Memory | None) -> dict[str, int]:
+    """Bytes by kind, of a structure that could be built."""
+    if memory is None or memory.status != "ok":
+        return {}
+    sizes = {"structure": memory.structure_bytes, "retained": memory.retained_bytes, "peak": memory.peak_bytes}
+    return {kind: size for kind, size in sizes.items() if size}
+
+
+# -- findings
+
+
+def _judge(finding: Finding, measured: dict[str, Measured], source: Source) -> Judged:
+    outcomes = []
+    for name, facts in measured.items():
+        model = model_of(facts.part.model.name, source) or ""
+        if not finding.models or model in finding.models:
+            outcomes.append(_outcome(name, finding.readings(facts), finding.readings(Published(model, source)), source))
+    return Judged(
+        name=finding.name,
+        claim=finding.claim,
+        section=finding.section,
+        asked=finding.asked,
+        remark=finding.remark,
+        outcomes=outcomes,
+    )
+
+
+def _outcome(subject: str, today: Sequence[Reading], then: Sequence[Reading], source: Source) -> Outcome:
+    outcome = worst_of(map(outcome_of, today))
+    deciding = sorted(
+        ((one, old) for one, old in zip(today, then, strict=True) if outcome_of(one) == outcome),
+        key=lambda pair: _margin(pair[0]),
+    )
+    said = [_sentence(one, old, source.year) for one, old in deciding[:SHOWN]]
+    said += [f"and {len(deciding) - SHOWN} more alike"] if len(deciding) > SHOWN else []
+    if outcome == "cannot tell" and any(one.figure and not one.figure.is_whole for one, _ in deciding):
+        said.append(f"launches too few: within {CLEAR:g}x of a limit nothing is believed")
+    return Outcome(
+        subject=subject,
+        outcome=outcome,
+        then=worst_of(map(outcome_of, then)),
+        evidence="; ".join(said),
+        proofs=[_proof(one, old) for one, old in zip(today, then, strict=True)],
+    )
+
+
+def outcome_of(reading: Reading) -> Verdict:
+    """What one figure says of the limits that it should lie between."""
+    figure = reading.figure
+    if figure is None:
+        return "not measured"
+    slack = 1.0 if figure.is_whole else CLEAR
+    low, high = figure.low / slack, figure.high * slack
+    if low >= reading.least and high <= reading.most:
+        return "holds"
+    return "holds no longer" if high < reading.least or low > reading.most else "cannot tell"
+
+
+def worst_of(outcomes: Iterable[Verdict]) -> Verdict:
+    """What several figures say of a finding that rests on all of them."""
+    known = set(outcomes)
+    worst: tuple[Verdict, ...] = ("holds no longer", "not measured", "cannot tell")
+    return next((outcome for outcome in worst if outcome in known), "holds")
+
+
+def _margin(reading: Reading) -> float:
+    """How far, as a logarithm, a figure lies within its limits; negative beyond them."""
+    if reading.figure is None or not reading.figure.ratio > 0:
+        return 0.0
+    at = math.log(reading.figure.ratio)
+    below = at - math.log(reading.least) if reading.least > 0 else math.inf
+    return min(below, math.log(reading.most) - at if reading.most < math.inf else math.inf)
+
+
+def _sentence(today: Reading, then: Reading, year: int) -> str:
+    """A figure in words, beside the source's."""
+    printed = then.printed if then.printed is not None else then.figure and then.figure.ratio
+    old = f" ({year}: {_spell(printed, then.unit)})" if printed is not None else ""
+    if today.figure is None:
+        return f"{today.about}: no figure{old}"
+    if today.figure[1:3] == NOWHERE:
+        return f"{today.about}: too short, or in doubt{old}"
+    return today.words.format(_figure(today.figure, today.unit)) + old
+
+
+def _figure(figure: Interval, unit: str) -> str:
+    """6.5x [6.1, 7.0]; 1.04x where that is exact; about 6.5x where launches are too few; at least or at most 9.8x."""
+    if figure.low == 0.0:
+        return f"at most {_spell(figure.high, unit)}"
+    if figure.high == math.inf:
+        return f"at least {_spell(figure.low, unit)}"
+    if not figure.is_whole:
+        return f"about {_spell(figure.ratio, unit)}"
+    ends = (_spell(end, unit).removesuffix("x").removesuffix(" %") for end in figure[1:3])
+    return _spell(figure.ratio, unit) + (f" [{', '.join(ends)}]" if figure.low < figure.high else "")
+
+
+def _spell(value: float, unit: str) -> str:
+    if unit == "x":
+        return f"{digits(value)}x"
+    return f"{100 * value:.2g} %" if unit == "%" else f"{value:.1f}{unit}"
+
+
+def _proof(today: Reading, then: Reading) -> Proof:
+    figure = today.figure
+    return Proof(
+        about=today.about,
+        outcome=outcome_of(today),
+        figure=figure.ratio if figure else None,
+        low=figure.low if figure else None,
+        high=_finite(figure.high) if figure else None,
+        is_whole=figure.is_whole if figure else False,
+        then=then.printed if then.printed is not None else then.figure and then.figure.ratio,
+        least=today.least or None,
+        most=_finite(today.most),
+    )
+
+
+def _finite(value: float) -> float | None:
+    return value if value < math.inf else None
