@@ -350,7 +350,7 @@ def _outcome(subject: str, today: Sequence[Reading], then: Sequence[Reading], so
     said = [_sentence(one, old, source.year) for one, old in deciding[:SHOWN]]
     said += [f"and {len(deciding) - SHOWN} more alike"] if len(deciding) > SHOWN else []
     if outcome == "cannot tell" and any(one.figure and not one.figure.is_whole for one, _ in deciding):
-        said.append(f"launches too few: within {CLEAR:g}x of a limit nothing is believed")
+        said.append("too few launches to tell")
     return Outcome(
         subject=subject,
         outcome=outcome,

@@ -228,7 +228,7 @@ FINDINGS = (
         "freeing",
         "V4 takes somewhat longer to free, which is still negligible beside all else.",
         "5.2.1",
-        f"v4 takes more than {LIKE:g} times as long as v3y, and less than {LITTLE:.0%} of its own total",
+        f"v4 takes more than {LIKE:g} times as long as v3y, and less than {100 * LITTLE:g} % of its own total",
         freeing,
         remark="By its tables V4 took 3.5 times as long as V3Y on the nozzle, 1.4 times on the intake.",
     ),

@@ -1,0 +1,298 @@
+"""A source beside today's runs, set for reading: in Markdown, or as a piece of an HTML page.
+
+Both are set from the same blocks; whatever a name in the results says, it stays text.
+"""
+
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from html import escape
+
+from tetrabench.bench.statistics import ALIKE, CLEAR, SHORTEST_S
+from tetrabench.report.thesis import Comparison, Entry, Held, Judged, Subject
+from tetrabench.report.thesis_figures import name_of
+from tetrabench.report.units import digits, duration, percent, times
+
+CLASSES = {"holds": "holds", "holds no longer": "gone", "cannot tell": "unclear", "not measured": "unmeasured"}
+"""How a page marks an outcome; its words say the same."""
+KINDS = {"structure": "structure today, MB", "retained": "retained today, MB", "peak": "peak today, MB"}
+
+
+@dataclass(frozen=True)
+class Text:
+    """Words, and the class that a page gives them."""
+
+    text: str
+    look: str = ""
+
+
+@dataclass(frozen=True)
+class Heading:
+    """`level` is 2 or 3."""
+
+    level: int
+    text: str
+
+
+@dataclass(frozen=True)
+class Items:
+    """A list; `lead` stands before it."""
+
+    items: list[Text]
+    lead: list[Text] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Table:
+    """The first `names` columns are words that name the row; all others are figures or outcomes."""
+
+    caption: str
+    head: list[str]
+    rows: list[list[Text]]
+    names: int = 1
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure, by its name; `text` says what it shows."""
+
+    name: str
+    text: str
+
+
+Block = Heading | Text | Items | Table | Picture
+
+
+def as_markdown(comparison: Comparison, figures: Mapping[str, str] | None = None) -> str:
+    """The whole comparison in Markdown.
+
+    Args:
+        comparison: see thesis.compare_with_source.
+        figures: the path of each figure, from where the page will lie, by its name in thesis_figures.draw_figures.
+    """
+    known = figures or {}
+    blocks = [
+        _markdown(block, known)
+        for block in _blocks(comparison)
+        if not isinstance(block, Picture) or block.name in known
+    ]
+    return "\n\n".join(blocks) + "\n"
+
+
+def as_html(comparison: Comparison, figures: Mapping[str, str] | None = None) -> str:
+    """The whole comparison as sections of an HTML page, without any style of their own.
+
+    An outcome has the class "holds", "gone", "unclear" or "unmeasured".
+
+    Args:
+        comparison: see thesis.compare_with_source.
+        figures: the SVG element of each figure (see thesis_figures.as_svg), by its name; it is taken as it is.
+    """
+    known = figures or {}
+    pieces: list[str] = []
+    for block in _blocks(comparison):
+        if isinstance(block, Heading) and block.level == 2:
+            pieces += ["</section>"] * bool(pieces) + ['<section class="source">']
+        if not isinstance(block, Picture) or block.name in known:
+            pieces.append(_html(block, known))
+    return "\n".join([*pieces, "</section>"]) + "\n"
+
+
+# -- what is said
+
+
+def _blocks(comparison: Comparison) -> Iterator[Block]:
+    year = comparison.year
+    yield Heading(2, f"{comparison.author} ({year}) and today")
+    yield Text(
+        f"{comparison.author}: {comparison.title}, {comparison.place}, {year}. Ratios are what is compared: times as "
+        f"multiples of {comparison.reference}'s. {year} on {comparison.then_machine}."
+    )
+    yield Items([Text(note) for note in comparison.notes])
+    yield Heading(2, "What the source found, and whether it still holds")
+    yield Text(
+        "A finding holds where all figures that it rests on lie between the limits that it asks for, with all of their "
+        f"intervals. Where launches are too few for intervals, a figure may be off by {CLEAR:g}x either way."
+    )
+    yield _overview(comparison)
+    yield from (_evidence(comparison, judged) for judged in comparison.findings)
+    for subject in comparison.subjects:
+        yield Heading(2, f"Figure {subject.figure}: {subject.name}")
+        yield from _about(comparison, subject)
+    yield Heading(2, "Memory")
+    yield Text(
+        f"{year}: the most that the whole program held, kB. Today: used bytes of all buffers of the fresh structure; "
+        "retained and peak private memory of its process. In brackets: multiples of "
+        f"{comparison.reference}'s."
+    )
+    yield from (_memory(comparison, subject) for subject in comparison.subjects)
+
+
+def _overview(comparison: Comparison) -> Table:
+    """Findings down, models across."""
+    rows = []
+    for judged in comparison.findings:
+        found = {one.subject: one for one in judged.outcomes}
+        cells = [
+            Text(found[one.name].outcome, CLASSES[found[one.name].outcome]) if one.name in found else Text("")
+            for one in comparison.subjects
+        ]
+        rows.append([Text(judged.claim), Text(judged.section), *cells])
+    head = ["the source says", "in its section", *(one.name for one in comparison.subjects)]
+    return Table("Findings of the source, model by model", head, rows, names=2)
+
+
+def _evidence(comparison: Comparison, judged: Judged) -> Items:
+    """A finding with the figures of each model."""
+    then = {one.then for one in judged.outcomes}
+    own = [f"By the tables of {comparison.year} it does not hold."] if "holds no longer" in then else []
+    lead = [Text(judged.claim, "claim")]
+    lead += [Text(" ".join(filter(None, [f"Asked: {judged.asked}.", judged.remark, *own])))]
+    return Items(
+        [Text(f"{one.subject}: {one.outcome}. {one.evidence}.", CLASSES[one.outcome]) for one in judged.outcomes], lead
+    )
+
+
+def _about(comparison: Comparison, subject: Subject) -> Iterator[Block]:
+    """A model: its figure and its tables."""
+    year, reference = comparison.year, comparison.reference
+    yield Text(f"{subject.title}; {year}: {subject.then_title}. {subject.machine}: {subject.command}")
+    if subject.counts:
+        counts = "; ".join(f"{task} {counts}" for task, counts in subject.counts.items())
+        yield Text(f"Counts: {counts}. All that is compared are times of the same work, as ratios.")
+    if subject.notes:
+        yield Items([Text(note, "gone") for note in subject.notes])
+    yield Picture(name_of(subject), f"Figure {subject.figure} of the source, and the same of today: {subject.name}")
+    lines: list[tuple[str, Callable[[Entry], str]]] = [
+        (str(year), lambda one: _then(one, reference)),
+        ("today", lambda one: _today(one, reference)),
+    ]
+    lines += [("interval", lambda one: _interval(one, reference))] if subject.has_intervals else []
+    yield Table(
+        f"{subject.name}: times as multiples of {reference}'s",
+        ["scenario", "", *comparison.contestants],
+        [
+            [Text(task), Text(when), *(Text(say(subject.entry(task, one))) for one in comparison.contestants)]
+            for task in comparison.tasks
+            for when, say in lines
+        ],
+        names=2,
+    )
+    yield Table(
+        f"{subject.name}: seconds, {year} as printed, today's with today's counts",
+        ["scenario", "", *comparison.contestants],
+        [
+            [Text(task), Text(when), *(Text(say(subject.entry(task, one))) for one in comparison.contestants)]
+            for task in comparison.tasks
+            for when, say in ((f"{year}, s", _then_seconds), ("today", _seconds))
+        ],
+        names=2,
+    )
+    yield Items(
+        [
+            Text(
+                ">43x: slower, at least so many times, in every launch. 1.3?: a hint, launches are too few to rank it. ~1: "
+                f"within {percent(ALIKE - 1)}. too short: under {1e3 * SHORTEST_S:g} ms, says nothing."
+            )
+        ]
+    )
+
+
+def _then(entry: Entry, reference: str) -> str:
+    if entry.then_ratio is None:
+        return ""
+    return "1" if entry.contestant == reference else times(entry.then_ratio)
+
+
+def _today(entry: Entry, reference: str) -> str:
+    return "1" if entry.contestant == reference and entry.ratio is not None else entry.sign
+
+
+def _interval(entry: Entry, reference: str) -> str:
+    return "" if entry.contestant == reference or not entry.is_whole else entry.interval
+
+
+def _then_seconds(entry: Entry) -> str:
+    return f"{entry.then_s:.2f}" if entry.then_s is not None else ""
+
+
+def _seconds(entry: Entry) -> str:
+    return duration(entry.seconds) if entry.seconds is not None else entry.sign
+
+
+def _memory(comparison: Comparison, subject: Subject) -> Table:
+    kinds = [kind for kind in KINDS if any(kind in held.bytes for held in subject.memory)]
+    rows = [[Text(f"{comparison.year}, kB"), *(Text(_then_memory(held)) for held in subject.memory)]]
+    rows += [
+        [Text(KINDS[kind]), *(Text(_today_memory(held, kind)) for held in subject.memory)]
+        for kind in kinds
+    ]  # fmt: skip
+    return Table(f"{subject.name}: memory", ["", *(held.contestant for held in subject.memory)], rows)
+
+
+def _then_memory(held: Held) -> str:
+    return f"{held.then_kb:,} ({held.then_ratio:.3f})" if held.then_kb and held.then_ratio else ""
+
+
+def _today_memory(held: Held, kind: str) -> str:
+    if kind not in held.bytes:
+        return ""
+    ratio = f" ({held.ratios[kind]:.3f})" if kind in held.ratios else ""
+    return digits(held.bytes[kind] / 1e6) + ratio
+
+
+# -- how it is set
+
+
+def _markdown(block: Block, figures: Mapping[str, str]) -> str:
+    match block:
+        case Heading(level, text):
+            return f"{'#' * level} {_plain(text)}"
+        case Text(text):
+            return _plain(text)
+        case Items(items, lead):
+            first = [f"**{_plain(one.text)}**" if one.look == "claim" else _plain(one.text) for one in lead]
+            return "\n\n".join([*first, "\n".join(f"- {_plain(one.text)}" for one in items)])
+        case Table(caption, head, rows, names):
+            lines = [list(map(_plain, head)), ["---"] * names + ["---:"] * (len(head) - names)]
+            lines += [[_plain(cell.text) for cell in row] for row in rows]
+            return "\n".join([f"**{_plain(caption)}**", "", *(f"| {' | '.join(line)} |" for line in lines)])
+        case Picture(name, text):
+            return f"![{_plain(text)}]({figures[name]})"
+
+
+def _plain(text: str) -> str:
+    """On one line, and without what Markdown would take for its own."""
+    return re.sub(r"([\\`*<>|~\[\]])", r"\\\1", " ".join(text.split()))
+
+
+def _html(block: Block, figures: Mapping[str, str]) -> str:
+    match block:
+        case Heading(level, text):
+            return f"<h{level}>{escape(text)}</h{level}>"
+        case Text():
+            return _tag("p", block)
+        case Items(items, lead):
+            first = [_tag("h3" if one.look == "claim" else "p", one) for one in lead]
+            return "\n".join([*first, "<ul>", *(_tag("li", one) for one in items), "</ul>"])
+        case Table(caption, head, rows, names):
+            lines = ["".join(f'<th scope="col">{escape(name)}</th>' for name in head)]
+            lines += [
+                "".join(
+                    f'<th scope="row">{escape(cell.text)}</th>' if place < names else _tag("td", cell)
+                    for place, cell in enumerate(row)
+                )
+                for row in rows
+            ]
+            body = "\n".join(f"<tr>{line}</tr>" for line in lines[1:])
+            return (
+                f"<table>\n<caption>{escape(caption)}</caption>\n<thead>\n<tr>{lines[0]}</tr>\n</thead>\n"
+                f"<tbody>\n{body}\n</tbody>\n</table>"
+            )
+        case Picture(name, text):
+            return f"<figure>\n{figures[name]}\n<figcaption>{escape(text)}</figcaption>\n</figure>"
+
+
+def _tag(name: str, text: Text) -> str:
+    look = f' class="{text.look}"' if text.look else ""
+    return f"<{name}{look}>{escape(text.text)}</{name}>"
