@@ -13,6 +13,7 @@ import click
 from tetrabench.cli.comparing import compare, gate, history
 from tetrabench.cli.machine import doctor
 from tetrabench.cli.meshes import convert, generate, info
+from tetrabench.cli.reporting import report
 from tetrabench.cli.runs import check, list_, run, show
 from tetrabench.cli.speech import say
 from tetrabench.errors import InputError, TetrabenchError, find_named
@@ -74,5 +75,5 @@ def main() -> None:
     """
 
 
-for verb in (run, check, show, gate, compare, history, doctor, list_, info, convert, generate):
+for verb in (run, check, show, report, gate, compare, history, doctor, list_, info, convert, generate):
     main.add_command(verb)
