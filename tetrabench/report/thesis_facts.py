@@ -206,12 +206,18 @@ class Measured(Known):
         return self._open(figure, [(task, contestant)], [(other_task, contestant)])
 
     def between_models(self, model: str, task: str, contestant: str) -> Interval | None:
-        """See sources.Facts; the two were not measured in turn, so that only the range over all launches is honest."""
+        """See sources.Facts; the two were not measured in turn, so that only their range is honest.
+
+        Launches of one run are paired, for they followed each other; of two runs any with any.
+        """
         other = self.beside.get(model)
         one, two = self._per_item(task, contestant), other._per_item(task, contestant) if other else {}
         if not one or not two:
             return None
-        pairs = [mine / theirs for mine in one.values() for theirs in two.values()]
+        is_one_run = other is not None and other.part.results is self.part.results
+        pairs = [one[here] / two[there] for here in one for there in two if here == there or not is_one_run]
+        if not pairs:
+            return None
         return Interval(median(pairs), min(pairs), max(pairs), min(len(one), len(two)) >= FEWEST_APART)
 
     def memory(self, one: str, other: str) -> Interval | None:

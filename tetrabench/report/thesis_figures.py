@@ -146,8 +146,9 @@ def _today(entry: Entry) -> Bar:
 
 
 def _top(bars: Iterable[Bar]) -> float:
-    """Where the axis ends: above the largest bar that is not cut."""
-    return max((bar.ratio for bar in bars if bar.ratio is not None and bar.ratio <= CUT), default=1.0)
+    """Where the axis ends: above the largest bar that is not cut, and its whisker."""
+    shown = [bar for bar in bars if bar.ratio is not None and bar.ratio <= CUT]
+    return max((min(CUT, end) for bar in shown for end in (bar.ratio or 0.0, *(bar.ends or ()))), default=1.0)
 
 
 def _draw_panel(
@@ -165,7 +166,7 @@ def _draw_panel(
     axes.set_xticks(range(len(tasks)), tasks)
     axes.set_xlim(-0.5, len(tasks) - 0.5)
     axes.set_ylim(0.0, head)
-    axes.yaxis.set_major_locator(MaxNLocator(6))
+    axes.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
     axes.tick_params(axis="x", length=0)
     axes.spines[["top", "right"]].set_visible(False)
     axes.grid(axis="y", color="#dddddd", linewidth=0.6, zorder=0)

@@ -164,7 +164,7 @@ FINDINGS = (
         "5.2.3",
         "a deletion takes neither twice nor half as long on the nozzle as on the intake, which has a quarter of the tetras",
         deletion_by_size,
-        remark="Times of two models come from different rounds: the range over all launches stands for an interval.",
+        remark="Times of two models come from different rounds: the range over the launches stands for an interval.",
         models=("nozzle",),
     ),
     Finding(
