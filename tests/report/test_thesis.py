@@ -13,7 +13,7 @@ from tetrabench.bench.statistics import CLEAR, Interval
 from tetrabench.errors import InputError
 from tetrabench.report.thesis import Comparison, compare_with_source, model_of, outcome_of
 from tetrabench.report.thesis_figures import CUT, as_svg, draw_figures, save_figures
-from tetrabench.report.thesis_page import CLASSES, as_html, as_markdown
+from tetrabench.report.thesis_page import CLASSES, as_html, as_markdown, make_section, title_of, write_markdown
 from tetrabench.sources import Reading
 from tetrabench.sources.tetra import SOURCE
 
@@ -464,6 +464,8 @@ def test_svg_is_an_element_whose_words_are_text():
     assert (tree.tag.endswith("svg"), tree.get("role"), tree.get("aria-label")) == (True, "img", ODD)
     assert any("<script>" in (text or "") for text in tree.itertext())
     assert "<script" not in element
+    assert tree.get("width") is None
+    assert tree.get("viewBox")
     assert len(element) < 400_000
     (again,) = draw_figures(comparison, run_of()).values()
     assert as_svg(again, ODD) == element
@@ -505,9 +507,41 @@ def test_the_page_says_everything(nozzle, intake):
     assert page.tags.count("svg") == 1
     assert page.tags.count("table") == page.tags.count("caption") == 1 + 2 * 3
     assert {value for name, value in page.attributes if name == "scope"} == {"row", "col"}
-    assert {value for name, value in page.attributes if name == "class"} == {"source", "claim", "holds", "gone"}
+    assert {value for name, value in page.attributes if name == "class"} == {
+        "claim",
+        "words",
+        "scroll",
+        "holds",
+        "gone",
+    }
     assert not [name for name, _ in page.attributes if name == "style"]
     assert "alfa 200 sweeps (2011: 200)" in said
+
+
+def test_a_section_of_a_page(nozzle):
+    title, fragment = make_section([nozzle])
+    assert title == title_of(compare_with_source([nozzle], SOURCE)) == "József Martin (2011) and today"
+    page = Page(fragment)
+    assert page.tags.count("svg") == page.tags.count("figcaption") == 1
+    assert "h2" not in page.tags
+    labels = [value for name, value in page.attributes if name == "aria-label"]
+    assert labels[-1] == "nozzle: memory"
+
+
+def test_a_page_with_its_figures_beside_it(nozzle, tmp_path):
+    write_markdown([nozzle], tmp_path / "then and now.md")
+    page = (tmp_path / "then and now.md").read_text()
+    assert page.startswith("## József Martin (2011) and today\n\n")
+    assert "](then%20and%20now/figure-10-nozzle.png)" in page
+    assert (tmp_path / "then and now" / "figure-10-nozzle.png").stat().st_size > 10_000
+
+
+def test_runs_without_a_source_are_refused(nozzle):
+    other = msgspec.structs.replace(nozzle, family="polygon")
+    with pytest.raises(InputError, match="several families, tetra, polygon,"):
+        make_section([nozzle, other])
+    with pytest.raises(InputError, match="no source of the family 'polygon'"):
+        make_section([other])
 
 
 def test_outcomes_are_marked_for_a_page():

@@ -98,6 +98,7 @@ def as_svg(figure: Figure, title: str) -> str:
         figure.savefig(page, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
     element = page.getvalue()[page.getvalue().index("<svg ") :]
     element = re.sub(r' d="[^"]*"', lambda path: " ".join(re.sub(r"(\.\d)\d+", r"\1", path[0]).split("\n")), element)
+    element = re.sub(r' (width|height)="[\d.]+pt"', "", element, count=2)  # as wide as its place on the page
     return element.replace("<svg ", f'<svg role="img" aria-label="{escape(title)}" ', 1)
 
 

@@ -4,13 +4,20 @@ Both are set from the same blocks; whatever a name in the results says, it stays
 """
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
+from pathlib import Path
+from urllib.parse import quote
 
+from matplotlib.figure import Figure
+
+from tetrabench import registry
+from tetrabench.bench.record import Results, write_whole
 from tetrabench.bench.statistics import ALIKE, CLEAR, SHORTEST_S
-from tetrabench.report.thesis import Comparison, Entry, Held, Judged, Subject
-from tetrabench.report.thesis_figures import name_of
+from tetrabench.errors import InputError
+from tetrabench.report.thesis import Comparison, Entry, Held, Judged, Subject, compare_with_source
+from tetrabench.report.thesis_figures import as_svg, draw_figures, name_of, save_figures
 from tetrabench.report.units import digits, duration, percent, times
 
 CLASSES = {"holds": "holds", "holds no longer": "gone", "cannot tell": "unclear", "not measured": "unmeasured"}
@@ -28,9 +35,8 @@ class Text:
 
 @dataclass(frozen=True)
 class Heading:
-    """`level` is 2 or 3."""
+    """Of a part of the comparison."""
 
-    level: int
     text: str
 
 
@@ -71,45 +77,76 @@ def as_markdown(comparison: Comparison, figures: Mapping[str, str] | None = None
         figures: the path of each figure, from where the page will lie, by its name in thesis_figures.draw_figures.
     """
     known = figures or {}
-    blocks = [
-        _markdown(block, known)
-        for block in _blocks(comparison)
-        if not isinstance(block, Picture) or block.name in known
-    ]
-    return "\n\n".join(blocks) + "\n"
+    return "\n\n".join(_markdown(block, known) for block in _drawn(comparison, known)) + "\n"
 
 
 def as_html(comparison: Comparison, figures: Mapping[str, str] | None = None) -> str:
-    """The whole comparison as sections of an HTML page, without any style of their own.
+    """The whole comparison as a piece of an HTML page, for a section under `title_of` it: headings from h3 on, no style.
 
-    An outcome has the class "holds", "gone", "unclear" or "unmeasured".
+    An outcome has the class "holds", "gone", "unclear" or "unmeasured", a claim "claim".
 
     Args:
         comparison: see thesis.compare_with_source.
         figures: the SVG element of each figure (see thesis_figures.as_svg), by its name; it is taken as it is.
     """
     known = figures or {}
-    pieces: list[str] = []
-    for block in _blocks(comparison):
-        if isinstance(block, Heading) and block.level == 2:
-            pieces += ["</section>"] * bool(pieces) + ['<section class="source">']
-        if not isinstance(block, Picture) or block.name in known:
-            pieces.append(_html(block, known))
-    return "\n".join([*pieces, "</section>"]) + "\n"
+    return "\n".join(_html(block, known) for block in _drawn(comparison, known)) + "\n"
+
+
+def title_of(comparison: Comparison) -> str:
+    """What stands above it."""
+    return f"{comparison.author} ({comparison.year}) and today"
+
+
+def make_section(runs: Sequence[Results]) -> tuple[str, str]:
+    """Runs beside the source of their family, as a section of a page: its title, and a piece of HTML with the figures.
+
+    Raises:
+        InputError: as `thesis.compare_with_source`, or the family has no source.
+    """
+    comparison, figures = _compared(runs)
+    drawn = {name: as_svg(figure, f"{name}: {title_of(comparison)}") for name, figure in figures.items()}
+    return title_of(comparison), as_html(comparison, drawn)
+
+
+def write_markdown(runs: Sequence[Results], path: Path) -> None:
+    """The same as a page in Markdown, its figures in a folder of its name beside it.
+
+    Raises:
+        InputError: as `make_section`, or a file cannot be written.
+    """
+    comparison, figures = _compared(runs)
+    folder = path.with_suffix("")
+    saved = save_figures(figures, folder)
+    links = {name: quote(f"{folder.name}/{file.name}") for name, file in saved.items()}
+    write_whole(path, f"## {_plain(title_of(comparison))}\n\n{as_markdown(comparison, links)}".encode())
+
+
+def _compared(runs: Sequence[Results]) -> tuple[Comparison, dict[str, Figure]]:
+    """Runs beside their source, and the figures of both."""
+    families = list(dict.fromkeys(run.family for run in runs))
+    if len(families) > 1:
+        raise InputError(f"results of several families, {', '.join(families)}, have no source in common: take one")
+    comparison = compare_with_source(runs, registry.source(families[0]))
+    return comparison, draw_figures(comparison, runs[0])
 
 
 # -- what is said
 
 
+def _drawn(comparison: Comparison, figures: Collection[str]) -> Iterator[Block]:
+    """All there is to say, without pictures that nobody drew."""
+    return (one for one in _blocks(comparison) if not isinstance(one, Picture) or one.name in figures)
+
+
 def _blocks(comparison: Comparison) -> Iterator[Block]:
     year = comparison.year
-    yield Heading(2, f"{comparison.author} ({year}) and today")
     yield Text(
         f"{comparison.author}: {comparison.title}, {comparison.place}, {year}. Ratios are what is compared: times as "
         f"multiples of {comparison.reference}'s. {year} on {comparison.then_machine}."
     )
     yield Items([Text(note) for note in comparison.notes])
-    yield Heading(2, "What the source found, and whether it still holds")
+    yield Heading("What the source found, and whether it still holds")
     yield Text(
         "A finding holds where all figures that it rests on lie between the limits that it asks for, with all of their "
         f"intervals. Where launches are too few for intervals, a figure may be off by {CLEAR:g}x either way."
@@ -117,9 +154,9 @@ def _blocks(comparison: Comparison) -> Iterator[Block]:
     yield _overview(comparison)
     yield from (_evidence(comparison, judged) for judged in comparison.findings)
     for subject in comparison.subjects:
-        yield Heading(2, f"Figure {subject.figure}: {subject.name}")
+        yield Heading(f"Figure {subject.figure}: {subject.name}")
         yield from _about(comparison, subject)
-    yield Heading(2, "Memory")
+    yield Heading("Memory")
     yield Text(
         f"{year}: the most that the whole program held, kB. Today: used bytes of all buffers of the fresh structure; "
         "retained and peak private memory of its process. In brackets: multiples of "
@@ -137,7 +174,7 @@ def _overview(comparison: Comparison) -> Table:
             Text(found[one.name].outcome, CLASSES[found[one.name].outcome]) if one.name in found else Text("")
             for one in comparison.subjects
         ]
-        rows.append([Text(judged.claim), Text(judged.section), *cells])
+        rows.append([Text(judged.claim, "claim"), Text(judged.section), *cells])
     head = ["the source says", "in its section", *(one.name for one in comparison.subjects)]
     return Table("Findings of the source, model by model", head, rows, names=2)
 
@@ -246,8 +283,8 @@ def _today_memory(held: Held, kind: str) -> str:
 
 def _markdown(block: Block, figures: Mapping[str, str]) -> str:
     match block:
-        case Heading(level, text):
-            return f"{'#' * level} {_plain(text)}"
+        case Heading(text):
+            return f"### {_plain(text)}"
         case Text(text):
             return _plain(text)
         case Items(items, lead):
@@ -268,31 +305,34 @@ def _plain(text: str) -> str:
 
 def _html(block: Block, figures: Mapping[str, str]) -> str:
     match block:
-        case Heading(level, text):
-            return f"<h{level}>{escape(text)}</h{level}>"
+        case Heading(text):
+            return f"<h3>{escape(text)}</h3>"
         case Text():
             return _tag("p", block)
         case Items(items, lead):
-            first = [_tag("h3" if one.look == "claim" else "p", one) for one in lead]
+            first = [_tag("h4" if one.look == "claim" else "p", one) for one in lead]
             return "\n".join([*first, "<ul>", *(_tag("li", one) for one in items), "</ul>"])
         case Table(caption, head, rows, names):
-            lines = ["".join(f'<th scope="col">{escape(name)}</th>' for name in head)]
-            lines += [
-                "".join(
-                    f'<th scope="row">{escape(cell.text)}</th>' if place < names else _tag("td", cell)
-                    for place, cell in enumerate(row)
-                )
+            top = "".join(
+                _tag("th", Text(name, "words" if place < names else ""), scope="col") for place, name in enumerate(head)
+            )
+            lines = [
+                "".join(_tag("th", cell, scope="row") for cell in row[:names])
+                + "".join(_tag("td", cell) for cell in row[names:])
                 for row in rows
             ]
-            body = "\n".join(f"<tr>{line}</tr>" for line in lines[1:])
-            return (
-                f"<table>\n<caption>{escape(caption)}</caption>\n<thead>\n<tr>{lines[0]}</tr>\n</thead>\n"
-                f"<tbody>\n{body}\n</tbody>\n</table>"
+            return "\n".join(
+                [
+                    f'<div class="scroll" tabindex="0" role="region" aria-label="{escape(caption)}">',
+                    f"<table>\n<caption>{escape(caption)}</caption>\n<thead><tr>{top}</tr></thead>\n<tbody>",
+                    *(f"<tr>{line}</tr>" for line in lines),
+                    "</tbody>\n</table>\n</div>",
+                ]
             )
         case Picture(name, text):
             return f"<figure>\n{figures[name]}\n<figcaption>{escape(text)}</figcaption>\n</figure>"
 
 
-def _tag(name: str, text: Text) -> str:
-    look = f' class="{text.look}"' if text.look else ""
-    return f"<{name}{look}>{escape(text.text)}</{name}>"
+def _tag(name: str, text: Text, scope: str = "") -> str:
+    marks = [f' {mark}="{value}"' for mark, value in (("scope", scope), ("class", text.look)) if value]
+    return f"<{name}{''.join(marks)}>{escape(text.text)}</{name}>"
