@@ -16,6 +16,7 @@ from tetrabench.cli.meshes import convert, generate, info
 from tetrabench.cli.reporting import report
 from tetrabench.cli.runs import check, list_, run, show
 from tetrabench.cli.speech import say
+from tetrabench.cli.viewing import view
 from tetrabench.errors import InputError, TetrabenchError, find_named
 
 INTERRUPTED = 130
@@ -75,5 +76,5 @@ def main() -> None:
     """
 
 
-for verb in (run, check, show, report, gate, compare, history, doctor, list_, info, convert, generate):
+for verb in (run, check, show, report, gate, compare, history, doctor, list_, info, view, convert, generate):
     main.add_command(verb)

@@ -5,7 +5,7 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from tetrabench.errors import InputError
-from tetrabench.io.formats import BY_SUFFIX, read_foreign, write_foreign
+from tetrabench.io.formats import BY_SUFFIX, Values, read_foreign, write_foreign
 from tetrabench.io.nastran import read_nastran, write_nastran
 from tetrabench.mesh.models import MODELS
 from tetrabench.mesh.tetra_mesh import TetraMesh
@@ -54,34 +54,41 @@ def is_file(path: Path) -> bool:
     return is_there
 
 
-def write_mesh(mesh: TetraMesh, path: str | os.PathLike[str], *, field: str | None = None) -> None:
+def write_mesh(
+    mesh: TetraMesh, path: str | os.PathLike[str], *, field: str | None = None, values: Values | None = None
+) -> None:
     """Write a mesh in the format of its suffix: a whole file, or none.
 
     Args:
         mesh: its ids are kept where the format can hold them: see `tetrabench.io.formats`.
         path: the file; one that exists is replaced.
         field: the form of Nastran's fields, "small" unless given; see `write_nastran`. Other formats have none.
+        values: of the tetras, by name, (m,) float64 each, such as states: see `tetrabench.io.values`.
 
     Raises:
         InputError: what `check_target` refuses, or the writer of the format.
     """
-    if check_target(path, field) in NASTRAN:
+    if check_target(path, field, has_values=values is not None) in NASTRAN:
         write_nastran(mesh, path, field=field or "small", comments=[mesh.report.source])
     else:
-        write_foreign(mesh, path)
+        write_foreign(mesh, path, values)
 
 
-def check_target(path: str | os.PathLike[str], field: str | None = None) -> str:
+def check_target(path: str | os.PathLike[str], field: str | None = None, *, has_values: bool = False) -> str:
     """Return the suffix of a file that a mesh may be written to: to be asked before the work, not after it.
 
     Raises:
-        InputError: an unknown suffix, a format that holds no tetras, or a form of fields where there are none.
+        InputError: an unknown suffix, a format that holds no tetras, or a form of fields, or values, where there are
+            none.
     """
     suffix = known_suffix(path)
     if field is not None and suffix not in NASTRAN:
         raise InputError(f"{path}: a field form ({field}) can only be chosen for Nastran, {' '.join(NASTRAN)}")
     if suffix not in NASTRAN and not BY_SUFFIX[suffix].writes:
         raise InputError(f"{path}: {BY_SUFFIX[suffix].title} files hold surfaces, no tetras")
+    if has_values and (suffix in NASTRAN or not BY_SUFFIX[suffix].keeps_ids):
+        able = " ".join(suffix for suffix, form in BY_SUFFIX.items() if form.keeps_ids)
+        raise InputError(f"{path}: no values of tetras are kept in this format; they are in {able}")
     return suffix
 
 

@@ -49,6 +49,7 @@ from tetrabench.mesh.check import settle
 from tetrabench.mesh.tetra_mesh import MeshReport, TetraMesh
 
 POINT_ID, TETRA_ID = "point_id", "tetra_id"
+Values = Mapping[str, NDArray[np.float64]]
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,7 @@ class Format:
         room: bytes of memory that reading takes at its peak, for each byte of the files; measured, rounded up.
         writes: whether it can hold tetras.
         options: for meshio's writer.
-        keeps_ids: whether it can hold arrays of integers for points and cells.
+        keeps_ids: whether it can hold arrays of numbers for points and cells.
         doubt: says from the text of the file, and the number of cells that meshio found, why the mesh may be less than
             the file's; "" where it is not.
         last_line: what the last line of a file that is surely whole begins with; any other is worth a warning.
@@ -137,8 +138,13 @@ def read_foreign(path: str | os.PathLike[str], *, unused: str = "drop", repair: 
     return settle(mesh, where=where, unused=unused, repair=repair)
 
 
-def write_foreign(mesh: TetraMesh, path: str | os.PathLike[str]) -> None:
+def write_foreign(mesh: TetraMesh, path: str | os.PathLike[str], values: Values | None = None) -> None:
     """Write a mesh in one of FORMATS, chosen by the suffix: a whole file (TetGen: two), or none.
+
+    Args:
+        mesh: what to write.
+        path: the file.
+        values: of the tetras, by name, (m,) float64 each, where the format keeps ids: `read_values` reads them.
 
     Raises:
         InputError: meshio or the system cannot write the file.
@@ -147,7 +153,11 @@ def write_foreign(mesh: TetraMesh, path: str | os.PathLike[str]) -> None:
     form = BY_SUFFIX[target.suffix.lower()]
     data = {}
     if form.keeps_ids:
-        data = {"point_data": {POINT_ID: mesh.point_ids}, "cell_data": {TETRA_ID: [mesh.tet_ids]}}
+        cells = {TETRA_ID: mesh.tet_ids, **(values or {})}
+        data = {
+            "point_data": {POINT_ID: mesh.point_ids},
+            "cell_data": {name: [numbers] for name, numbers in cells.items()},
+        }
     with contextlib.ExitStack() as stack:
         try:
             draft = stack.enter_context(tempfile.TemporaryDirectory(dir=target.absolute().parent, prefix=".writing-"))
