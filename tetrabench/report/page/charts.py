@@ -309,7 +309,7 @@ class Charts:
         bars = {
             "width": WIDTH - 90,
             "height": {"step": 26},
-            "transform": [{"calculate": f"indexof({names}, datum.field)", "as": "place"}, stacked],
+            "transform": [stacked],
             "encoding": {
                 "y": {
                     "field": "backend",
@@ -348,7 +348,8 @@ class Charts:
                 },
             ],
         }
-        return self._spec(rows, facet={"row": self._facet("model", self.models)}, spec=bars)
+        placed = [{**row, "place": names.index(row["field"])} for row in rows]
+        return self._spec(placed, facet={"row": self._facet("model", self.models)}, spec=bars)
 
     def limits(self, rows: Sequence[Datum]) -> Spec:
         """Shares of the machine's bandwidth as bars, a panel for each task and model."""

@@ -193,7 +193,8 @@ def _drawn(spec: Spec) -> str:
         r' (?:pointer-events="none"|opacity="1"|stroke-width="1"|aria-hidden="true"|font-family="[^"]*")', "", svg
     )
     svg = re.sub(r'<path class="(?:fore|back)ground" d="[^"]*"(?: display="none")?/>', "", svg)
-    return re.sub(r"(\d\.\d)\d+", r"\1", svg)
+    svg = re.sub(r"(\d\.\d)\d+", r"\1", svg)
+    return svg.replace("<svg ", '<svg aria-hidden="true" ', 1)  # the chart has words, and the table has the numbers
 
 
 @functools.cache

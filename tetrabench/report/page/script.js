@@ -64,13 +64,14 @@
       return;
     }
     if (turn !== chart.turn) return; // asked anew meanwhile
+    stage.querySelector("svg").setAttribute("aria-hidden", "true"); // the chart has words, and the table has the numbers
     chart.replaceChildren(stage);
     chart.dataset.drawn = String(turn);
   }
 
   /** Tables show what is asked for, compared as is asked for. */
   function follow(want) {
-    for (const line of document.querySelectorAll("figure tr[data-backend]")) {
+    for (const line of document.querySelectorAll("tr[data-backend]")) {
       const { backend, model } = line.dataset;
       line.classList.toggle("away", !want.backends.includes(backend) || Boolean(model && !want.models.includes(model)));
     }
