@@ -171,7 +171,7 @@ def _overview(comparison: Comparison) -> Table:
     for judged in comparison.findings:
         found = {one.subject: one for one in judged.outcomes}
         cells = [
-            Text(found[one.name].outcome, CLASSES[found[one.name].outcome]) if one.name in found else Text("")
+            Text(found[one.name].outcome, CLASSES[found[one.name].outcome]) if one.name in found else Text("-")
             for one in comparison.subjects
         ]
         rows.append([Text(judged.claim, "claim"), Text(judged.section), *cells])
@@ -207,7 +207,7 @@ def _about(comparison: Comparison, subject: Subject) -> Iterator[Block]:
     lines += [("interval", lambda one: _interval(one, reference))] if subject.has_intervals else []
     yield Table(
         f"{subject.name}: times as multiples of {reference}'s",
-        ["scenario", "", *comparison.contestants],
+        ["scenario", "when", *comparison.contestants],
         [
             [Text(task), Text(when), *(Text(say(subject.entry(task, one))) for one in comparison.contestants)]
             for task in comparison.tasks
@@ -217,7 +217,7 @@ def _about(comparison: Comparison, subject: Subject) -> Iterator[Block]:
     )
     yield Table(
         f"{subject.name}: seconds, {year} as printed, today's with today's counts",
-        ["scenario", "", *comparison.contestants],
+        ["scenario", "when", *comparison.contestants],
         [
             [Text(task), Text(when), *(Text(say(subject.entry(task, one))) for one in comparison.contestants)]
             for task in comparison.tasks
@@ -264,7 +264,7 @@ def _memory(comparison: Comparison, subject: Subject) -> Table:
         [Text(KINDS[kind]), *(Text(_today_memory(held, kind)) for held in subject.memory)]
         for kind in kinds
     ]  # fmt: skip
-    return Table(f"{subject.name}: memory", ["", *(held.contestant for held in subject.memory)], rows)
+    return Table(f"{subject.name}: memory", ["memory", *(held.contestant for held in subject.memory)], rows)
 
 
 def _then_memory(held: Held) -> str:
