@@ -33,11 +33,12 @@ def test_every_file_is_in_the_wheel(wheel):
     here = {
         f"tetrabench/{path.relative_to(ROOT)}"
         for top in ("backends", "scenarios")
-        for path in (ROOT / top).rglob("*.py")
+        for path in (ROOT / top).rglob("*.*")
     }
-    here |= {str(path.relative_to(ROOT)) for path in (ROOT / "tetrabench").rglob("*.py")}
+    here |= {str(path.relative_to(ROOT)) for path in (ROOT / "tetrabench").rglob("*.*")}
+    here = {name for name in here if "__pycache__" not in name}
     with zipfile.ZipFile(wheel) as archive:
-        there = {name for name in archive.namelist() if name.endswith(".py")}
+        there = {name for name in archive.namelist() if ".dist-info/" not in name}
     assert there == here
 
 
