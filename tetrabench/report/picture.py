@@ -147,7 +147,7 @@ def _choose_colours(values: ArrayLike | None, tetras: int, limits: tuple[float, 
     low, high = limits or ((finite.min(), finite.max()) if len(finite) else (0.0, 1.0))
     if not low <= high:
         raise InputError(f"limits are a lower and a higher value, not {low} and {high}")
-    return Colours(reals, Normalize(low, high, clip=True), label)
+    return Colours(reals, Normalize(low, high), label)
 
 
 def _draw_surface(points: Reals, surface: Surface, colours: Colours, title: str) -> Figure:
