@@ -101,12 +101,14 @@ def assert_corners(corners, places):
 @pytest.mark.parametrize("axis", [0, 1, 2])
 def test_a_vertex_on_the_plane_is_a_corner_bit_by_bit(axis, rng):
     mesh = mesh_of(rng.normal(size=(200, 3)), rng.permuted([range(200)] * 1000, axis=1)[:, :4])
+    seen = 0
     for vertex in range(20):
         cut = cut_mesh(mesh.points, mesh.tets, np.eye(3)[axis], mesh.points[vertex, axis])
         around = (mesh.tets[cut.tetras] == vertex).any(axis=1)
         corners = cut.corners[around]
-        assert len(corners)
+        seen += len(corners)
         assert (corners == mesh.points[vertex]).all(axis=2).any(axis=1).all()
+    assert seen > 100
 
 
 @given(st.integers(0, 10**6))
