@@ -10,14 +10,15 @@ BASE ?= $(shell git rev-parse --quiet --verify origin/main >/dev/null && echo or
 GATE = --model nozzle --tets 30k --backend v3y,v4 --scenario alfa,flow
 FORMAT ?= table
 
-.PHONY: run test test-all lint types bench-native bench-peers gate gate-selftest measuring schema fuzz results thesis clean help
+.PHONY: run test test-all lint types bench-native bench-peers gate gate-selftest measuring schema fuzz results reference screenshots thesis clean help
 
 help:            ## list the targets
 	@grep -E '^[a-z-]+: .*##|^[a-z-]+: *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 16
 
-run: $(BIN)/tetrabench  ## generate the nozzle and run the main job on it; prints a table, draws charts into out/
+run: $(BIN)/tetrabench  ## generate the nozzle and run the main job on it; prints a table, puts charts and a page into out/
 	@mkdir -p $(OUT)
 	$(BIN)/tetrabench run --model nozzle --tets $(RUN_TETS) --quick -o $(OUT)/results.json --charts $(OUT)
+	$(BIN)/tetrabench report $(OUT)/results.json -o $(OUT)/report.html
 
 test: $(VENV)/developing  ## the fast suite
 	$(BIN)/python -m pytest -n auto --dist loadgroup
@@ -63,6 +64,12 @@ fuzz: $(VENV)/developing  ## a million mutated decks through the Nastran reader 
 results: $(BIN)/tetrabench  ## repeat the committed reference run and what README.md shows of it
 	$(BIN)/python results/regenerate.py nozzle-120k-quick
 
+reference: $(BIN)/tetrabench  ## repeat the committed reference runs of the default scenarios (two hours), and the page of findings
+	$(BIN)/python results/regenerate.py reference-nozzle reference-intake numbering-nozzle
+
+screenshots: $(VENV)/developing  ## make docs/pictures anew from the committed runs (needs Chromium)
+	$(BIN)/python docs/screenshots.py
+
 thesis: $(BIN)/tetrabench  ## repeat the committed runs of the source's experiment (an hour) and what results/README.md shows
 	$(BIN)/python results/regenerate.py thesis-nozzle thesis-nozzle-shuffled thesis-intake thesis-intake-shuffled
 
@@ -77,7 +84,7 @@ $(VENV)/bin/python:
 
 $(BIN)/tetrabench: $(VENV)/bin/python pyproject.toml
 	@echo 'installing tetrabench and what it needs'
-	@$(BIN)/python -m pip install -qq --no-build-isolation -e .
+	@$(BIN)/python -m pip install -qq --no-build-isolation -e '.[report]'
 	@touch $@
 
 $(VENV)/developing: $(VENV)/bin/python pyproject.toml

@@ -15,6 +15,8 @@ from tetrabench.report.page import make_page
 playwright = pytest.importorskip("playwright.sync_api")
 pytest.importorskip("vl_convert")
 
+pytestmark = pytest.mark.xdist_group("browser")  # one browser for all
+
 SIZES = {"desk": (1280, 900), "phone": (390, 844)}
 MADE = {"two": two_runs, "sweep": sweep, "hostile": hostile}
 QUIET = [
