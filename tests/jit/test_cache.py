@@ -99,6 +99,18 @@ def test_a_cache_that_cannot_be_written_is_no_reason_to_stop(plugin, tmp_path):
     assert run(TETRABENCH_CACHE=str(tmp_path / "no-folder" / "cache")) == [11.0, 0, 1]
 
 
+def test_what_is_typed_in_is_compiled_and_not_kept(plugin, tmp_path):
+    """As in a notebook: no file tells that the kernel has changed, and numba's key knows no constants."""
+    code = OUTER.replace("+ 1.0", "+ {number}") + MAIN.replace("from plugin.outer import outer\n", "")
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path), "TETRABENCH_CACHE": str(tmp_path / "cache")}
+    for number in (1.0, 2.0):
+        command = [sys.executable, "-c", code.format(number=number)]
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, cwd=tmp_path)
+        assert done.stderr == ""
+        assert json.loads(done.stdout)[0] == 10.0 + number
+    assert not list((tmp_path / "cache").rglob("*.nbc"))
+
+
 def test_users_own_kernels_stay_where_they_are(plugin):
     """No process-wide setting of numba is touched."""
     code = "import tetrabench.jit, numba; print(numba.config.CACHE_DIR, numba.config.CACHE_LOCATOR_CLASSES)"

@@ -201,11 +201,19 @@ def _packages(module: str) -> Iterator[str]:
 
 
 def _sources(package: str) -> Iterator[tuple[str, bytes]]:
-    """Every Python file of a package (or the one file of a module), in a fixed order."""
+    """Every Python file of a package (or the one file of a module), in a fixed order.
+
+    Raises:
+        FileNotFoundError: there is no file, as of a cell of a notebook: nothing tells when it changes, so that what is
+            made of it must not be kept.
+    """
     module = importlib.import_module(package)
-    file = inspect.getsourcefile(module)
-    if file is None:  # typed in, or no file behind it
-        return
+    try:
+        file = inspect.getsourcefile(module)
+    except TypeError:
+        file = None
+    if file is None:
+        raise FileNotFoundError(f"{package} was typed in")
     top = Path(file)
     for path in sorted(top.parent.rglob("*.py")) if hasattr(module, "__path__") else [top]:
         yield path.relative_to(top.parent).as_posix(), path.read_bytes()
