@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from tetrabench.bench.numbering import LARGE, NATURAL, Renumbered, Spread, numberings_of, renumberings, spreads
+from tetrabench.bench.numbering import LARGE, Renumbered, Spread, numberings_of, renumberings, spreads
 from tetrabench.bench.record import Results
 from tetrabench.bench.statistics import CLEAR, SHORTEST_S, Row, summary
 from tetrabench.errors import InputError
@@ -27,7 +27,7 @@ def make_numbering_pages(results: Results, *, intervals: bool = False) -> Pages:
     sheets = []
     for model, names in swept.items():
         mine = [one for one in renumbered if one.model == model]
-        sheets += [_times(results, rows, model, names), _ratios(results, mine, model, names, intervals)]
+        sheets += [_times(results, rows, model, names), _ratios(results, mine, model, intervals)]
         sheets[-1].notes.extend(_about_spreads([one for one in spread if one.model == model]))
     return Pages(sheets=sheets, notes=list(_about_run(results, renumbered, intervals)))
 
@@ -48,16 +48,12 @@ def _times(results: Results, rows: Iterable[Row], model: str, names: Mapping[str
     )
 
 
-def _ratios(
-    results: Results, renumbered: Iterable[Renumbered], model: str, names: Mapping[str, str], intervals: bool
-) -> Sheet:
+def _ratios(results: Results, renumbered: Iterable[Renumbered], model: str, intervals: bool) -> Sheet:
     """The time in each numbering as a multiple of that in the natural one."""
     say = interval_of if intervals else ratio_of
-    lines: dict[tuple[str, str], dict[str, Cell]] = {
-        (task.name, numbering): {} for task in results.tasks for numbering in names if numbering != NATURAL
-    }
+    lines: dict[tuple[str, str], dict[str, Cell]] = {}
     for one in renumbered:
-        lines[one.task, one.numbering][one.backend] = Cell(say(_as_row(one)), one.verdict)
+        lines.setdefault((one.task, one.numbering), {})[one.backend] = Cell(say(_as_row(one)), one.verdict)
     return _sheet(results, f"{model}: times in each numbering as multiples of those in the natural one", lines)
 
 
