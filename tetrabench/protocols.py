@@ -49,6 +49,20 @@ class ModelFacts:
     notes: Sequence[str] = ()
 
 
+@dataclass(frozen=True)
+class Workload:
+    """A usual mix of a family's scenarios, under a name that people type.
+
+    Attributes:
+        title: what it stands for, in a line.
+        mix: how often, by scenario: see `report.mix`.
+    """
+
+    name: str
+    title: str
+    mix: Mapping[str, float]
+
+
 class Contestant(Protocol):
     """A way to store something. `name` is what people type; `extension` marks those that are not from the source."""
 

@@ -2,8 +2,8 @@
 
 An entry point is named after its family, and names an explicit table: one `Family` in the group
 `tetrabench.families`, an iterable of contestants in `tetrabench.contestants`, of scenarios in
-`tetrabench.scenarios`, and what its source published, one `Source`, in `tetrabench.sources`. Only the tables of the
-family that is asked for are imported.
+`tetrabench.scenarios`, usual mixes of these, `Workload`s, in `tetrabench.workloads`, and what its source published,
+one `Source`, in `tetrabench.sources`. Only the tables of the family that is asked for are imported.
 """
 
 import functools
@@ -12,7 +12,7 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
 from tetrabench.errors import InputError, find_named
-from tetrabench.protocols import Contestant, Family, Scenario
+from tetrabench.protocols import Contestant, Family, Scenario, Workload
 from tetrabench.sources import Source
 
 
@@ -71,6 +71,15 @@ def scenario(family_name: str, name: str) -> Scenario:
     """
     known: dict[str, Scenario] = _members("tetrabench.scenarios", family_name)
     return find_named("scenario", known, name)
+
+
+def workloads(family_name: str) -> dict[str, Workload]:
+    """The usual mixes of a family's scenarios, by name; none where nobody named any.
+
+    Raises:
+        InputError: a plug-in cannot be imported, or two workloads of one family have one name.
+    """
+    return _members("tetrabench.workloads", family_name)
 
 
 def source(family_name: str) -> Source:
