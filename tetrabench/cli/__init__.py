@@ -10,6 +10,7 @@ from typing import Any, NoReturn
 
 import click
 
+from tetrabench.cli.advising import recommend
 from tetrabench.cli.comparing import compare, gate, history
 from tetrabench.cli.machine import doctor
 from tetrabench.cli.meshes import convert, generate, info
@@ -76,5 +77,5 @@ def main() -> None:
     """
 
 
-for verb in (run, check, show, report, gate, compare, history, doctor, list_, info, view, convert, generate):
+for verb in (run, check, show, report, recommend, gate, compare, history, doctor, list_, info, view, convert, generate):
     main.add_command(verb)

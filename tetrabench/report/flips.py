@@ -110,11 +110,11 @@ def look(totals: Totals, first: str, others: Iterable[str], tied: Sequence[str],
 
 
 def _line(totals: Totals, first: str, other: str, task: str) -> Line:
-    rests = [
+    first_rest, other_rest = (
         sum((seconds for of, seconds in totals.times(name).items() if of != task), np.zeros(len(totals.launches)))
         for name in (first, other)
-    ]
-    return Line(*rests, _once(totals, task, first), _once(totals, task, other))
+    )
+    return Line(first_rest, other_rest, _once(totals, task, first), _once(totals, task, other))
 
 
 def _is_less(one: Seconds, other: Seconds) -> bool:

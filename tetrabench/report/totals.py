@@ -10,7 +10,7 @@ launches than an interval needs may besides be off by statistics.CLEAR.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from statistics import median
@@ -40,7 +40,11 @@ Seconds = NDArray[np.float64]  # (launches,)
 Weights = Mapping[str, float]
 """How often each task."""
 
-_ENDS = {-1: min, 0: median, 1: max}  # what stands in where a launch is missing: low end, middle, high end
+_ENDS: dict[int, Callable[[Iterable[float]], float]] = {
+    -1: min,
+    0: median,
+    1: max,
+}  # what stands in where a launch is missing: low end, middle, high end
 
 
 class Multiple(msgspec.Struct, frozen=True, kw_only=True):
@@ -204,7 +208,8 @@ class Totals:
 
 
 def _sum(times: Mapping[str, Seconds]) -> Seconds:
-    return np.sum(list(times.values()), axis=0)
+    total: Seconds = np.sum(list(times.values()), axis=0)
+    return total
 
 
 def _is_sparse(cell: Timed | None) -> bool:
