@@ -11,7 +11,7 @@ from tetrabench.bench.record import Results
 from tetrabench.errors import InputError
 from tetrabench.report.numbering import make_numbering_pages
 from tetrabench.report.sheets import Pages
-from tetrabench.report.table import markdown_of, text_of
+from tetrabench.report.table import as_markdown, as_text, markdown_of, text_of
 from tetrabench.report.units import duration
 
 
@@ -113,3 +113,9 @@ def test_it_is_set_like_all_tables():
 def test_a_run_of_one_numbering_has_none():
     with pytest.raises(InputError, match="has one numbering: run it with --numbering"):
         make_numbering_pages(make_results())
+
+
+def test_a_run_that_swept_over_numberings_shows_their_tables_too():
+    for form in (as_text, as_markdown):
+        assert "by numbering" in form(make_numbered())
+        assert "by numbering" not in form(make_results())

@@ -10,7 +10,8 @@ from rich.table import Table
 from rich.text import Text
 
 from tetrabench.bench.record import Results
-from tetrabench.report.sheets import Pages, Sheet, make_pages
+from tetrabench.report.pages import pages_of
+from tetrabench.report.sheets import Pages, Sheet
 
 WIDTH = 100
 FIRST = 18
@@ -43,12 +44,12 @@ def as_text(results: Results, *, colour: bool = False, intervals: bool = False) 
         colour: whether signs and words are coloured too.
         intervals: the ends of each interval rather than the ratio.
     """
-    return text_of(make_pages(results, intervals=intervals), colour=colour)
+    return "\n".join(text_of(one, colour=colour) for one in pages_of(results, intervals=intervals))
 
 
 def as_markdown(results: Results, *, intervals: bool = False) -> str:
     """The same in Markdown."""
-    return markdown_of(make_pages(results, intervals=intervals))
+    return "\n".join(map(markdown_of, pages_of(results, intervals=intervals)))
 
 
 def text_of(pages: Pages, *, colour: bool = False) -> str:

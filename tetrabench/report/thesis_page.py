@@ -80,6 +80,11 @@ def as_markdown(comparison: Comparison, figures: Mapping[str, str] | None = None
     return "\n\n".join(_markdown(block, known) for block in _drawn(comparison, known)) + "\n"
 
 
+def overview_as_markdown(comparison: Comparison) -> str:
+    """Which findings hold, in one table, in Markdown."""
+    return _markdown(_overview(comparison), {})
+
+
 def as_html(comparison: Comparison, figures: Mapping[str, str] | None = None) -> str:
     """The whole comparison as a piece of an HTML page, for a section under `title_of` it: headings from h3 on, no style.
 

@@ -16,7 +16,7 @@ from tetrabench.report.page.charts import Charts, Spec
 from tetrabench.report.page.looks import PATHS, looks_of, shapes_of
 from tetrabench.report.page.subjects import ABSOLUTE, OWN, Run, Subject, bases_of, make_subjects
 from tetrabench.report.page.tables import Table
-from tetrabench.report.sheets import make_pages
+from tetrabench.report.pages import pages_of
 
 if TYPE_CHECKING:
     from jinja2 import Template
@@ -84,7 +84,7 @@ def make_page(
         subjects=subjects,
         sections=sections,
         extra=[(f"extra-{place}", title, fragment) for place, (title, fragment) in enumerate(extra)],
-        pages=[(run, make_pages(run.results)) for run in named],
+        pages=[pages for run in named for pages in pages_of(run.results)],
         answers=[tables.answers_table(subject) for subject in subjects],
         sheet_table=tables.sheet_table,
         machine_table=tables.machine_table,
