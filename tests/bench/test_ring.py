@@ -303,6 +303,15 @@ def test_a_larger_model_that_nobody_has_memory_for_does_not_cost_the_smaller_one
     assert exit_code(results) == 3
 
 
+def test_the_models_of_a_sweep_begin_a_launch_in_turn():
+    results = play(scripted_plan(launches=4, models=("one", "two", "three")))
+    begun = [(one.launch, one.model) for one in results.launches]
+    assert [model for launch, model in begun if launch == 0] == ["one", "two", "three"]
+    assert [model for launch, model in begun if launch == 1] == ["two", "three", "one"]
+    assert [model for launch, model in begun if launch == 2] == ["three", "one", "two"]
+    assert [model for launch, model in begun if launch == 3] == ["one", "two", "three"]
+
+
 def test_a_reference_that_dies_leaves_the_others_without_a_ratio_but_with_times():
     def tell(asked):
         if (asked.backend, asked.task, asked.visit, asked.what) == ("v0", "first", 2, "measure"):

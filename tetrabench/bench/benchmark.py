@@ -159,7 +159,7 @@ class _Run:
                         ended = "budget"
                         break
                     begin = self.means.clock()
-                    for model in self.plan.models:
+                    for model in self._turns(launch):
                         self._launch(model, launch)
                     self.launches.append(self.means.clock() - begin)
                 self._close_narrow_cells(launch)
@@ -172,6 +172,12 @@ class _Run:
             elapsed_s=self.means.clock() - self.began,
             ended=ended,
         )
+
+    def _turns(self, launch: int) -> list[str]:
+        """The models in the order of a launch: each begins as often as any other."""
+        models = list(self.plan.models)
+        first = launch % len(models)
+        return models[first:] + models[:first]
 
     def _has_time(self) -> bool:
         """Whether another launch fits into the budget; the first one always does."""
