@@ -137,7 +137,8 @@ def _outlooks(one: Recommendation) -> Iterator[str]:
     holds = [outlook.task for outlook in one.outlooks if outlook.holds]
     unclear = [outlook.task for outlook in one.outlooks if not outlook.holds and not outlook.flips]
     if holds:
-        yield f"The choice holds for any amount of {_listed(holds, 'or')}."
+        sure = "The" if one.has_intervals else "As far as so few launches tell, the"
+        yield f"{sure} choice holds for any amount of {_listed(holds, 'or')}."
     if unclear:
         yield f"Cannot tell whether another amount of {_listed(unclear, 'or')} would change it."
 
@@ -166,13 +167,13 @@ def _per_item(one: Recommendation, size: int) -> str:
 def _sheet(one: Recommendation) -> Sheet:
     """Who takes how long, and what memory."""
     items = next(iter(one.size.values()), 0)
-    columns: list[tuple[str, Callable[[Ranked], int | float | None]]] = []
+    columns: list[tuple[str, Callable[[Ranked], str]]] = []
     if items and any(ranked.structure_bytes for ranked in one.ranked):
-        columns.append((f"B/{one.item}", lambda ranked: ranked.structure_bytes and ranked.structure_bytes / items))
+        columns.append((f"B/{one.item}", lambda ranked: _each(ranked.structure_bytes, items)))
     if items and one.has_peaks:
-        columns.append(("~at peak", lambda ranked: ranked.peak_bytes and ranked.peak_bytes / items))
+        columns.append(("~at peak", lambda ranked: _each(ranked.peak_bytes, items)))
     if one.memory_limit is not None:
-        columns.append((f"~{one.item}s fit", lambda ranked: ranked.fits))
+        columns.append((f"~{one.item}s fit", lambda ranked: _rounded(ranked.fits)))
     return Sheet(
         title=f"{', '.join(filter(None, [one.model, one.workload]))}: {title_of(one)}",
         head=["backend", "takes", "interval", *(head for head, _ in columns)],
@@ -181,7 +182,7 @@ def _sheet(one: Recommendation) -> Sheet:
                 Cell(ranked.backend),
                 _takes(one, ranked.beside),
                 Cell(_interval(one, ranked.beside)),
-                *(Cell(_size(figure(ranked))) for _, figure in columns),
+                *(Cell(figure(ranked)) for _, figure in columns),
             ]
             for ranked in one.ranked
         ],
@@ -208,10 +209,19 @@ def _interval(one: Recommendation, beside: Multiple | None) -> str:
     return span(beside.low, beside.high) + ("" if beside.is_whole else "?")
 
 
-def _size(figure: float | None) -> str:
-    if figure is None:
+def _each(size: int | None, items: int) -> str:
+    """Bytes an item."""
+    return "unknown" if size is None else f"{size / items:,.0f}"
+
+
+def _rounded(items: float | None) -> str:
+    """To two digits, for memory grows only nearly as the model does: 7.1M, 130k."""
+    if items is None:
         return "unknown"
-    return f"{figure / 1e6:.1f}M" if figure >= 1e6 else f"{figure:,.0f}"
+    for unit, size in (("M", 1e6), ("k", 1e3)):
+        if items >= size:
+            return f"{float(f'{items / size:.2g}'):g}{unit}"
+    return f"{items:.0f}"
 
 
 def _said(one: Recommendation) -> Iterator[str]:

@@ -1,7 +1,7 @@
 """Mixes: how much of what a person's program does, in terms of the tasks of a run."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 import msgspec
 
@@ -12,6 +12,10 @@ from tetrabench.report.units import singular
 
 SWEEPS = "sweeps"
 """A task that has this among its options is counted in it: nobody knows how many sweeps a run measured at once."""
+
+
+LEAST, MOST = 1e-12, 1e12
+"""An amount is 0 or between these: none that anybody means is not, and seconds stay finite."""
 
 
 class Amount(msgspec.Struct, frozen=True, kw_only=True):
@@ -42,7 +46,7 @@ def read_mix(text: str) -> dict[str, float]:
     """What a person typed, such as "alfa=200,delete=1": number by name of a scenario, or by name.count.
 
     Raises:
-        InputError: it is nothing of the kind, or a number is negative or not finite, or all are 0.
+        InputError: it is nothing of the kind, a number is negative, not finite or beyond all sense, or all are 0.
     """
     wanted: dict[str, float] = {}
     for word in filter(None, (part.strip() for part in text.split(","))):
@@ -63,11 +67,11 @@ def make_mix(wanted: Mapping[str, float], part: Part) -> list[Amount]:
     Raises:
         InputError: the run has no such task or the task no such count, or several tasks are or one is meant twice.
     """
-    amounts = [_amount(name, number, part) for name, number in wanted.items() if number]
+    amounts = [_amount(name, number, part) for name, number in wanted.items()]
     for place, amount in enumerate(amounts):
         if amount.task in (other.task for other in amounts[:place]):
             raise InputError(f"the task '{amount.task}' is twice in the mix: name it once")
-    return amounts
+    return [amount for amount in amounts if amount.number]
 
 
 def usual_amount(task: Task, part: Part) -> Amount:
@@ -97,30 +101,29 @@ def _number(name: str, text: str) -> float:
         number = float(text)
     except ValueError:
         number = math.nan
-    if not math.isfinite(number) or number < 0:
-        raise InputError(f"'{text}' of '{name}' in the mix is no amount: write a number from 0 on, such as 200 or 0.1")
+    if number != 0 and not LEAST <= number <= MOST:
+        raise InputError(
+            f"'{text}' of '{name}' in the mix is no amount: write 0 or a number from {LEAST:g} to {MOST:g}, such as 200 or 0.1"
+        )
     return number
 
 
 def _amount(name: str, number: float, part: Part) -> Amount:
-    tasks = part.results.tasks
-    known = {task.name: task for task in tasks}
-    for task in tasks:
-        alike = [other for other in tasks if other.scenario == task.scenario]
-        known |= {task.scenario: task} if len(alike) == 1 else {}
-        if len(alike) > 1 and task.scenario not in known and name in (task.scenario, *_dotted(task.scenario, name)):
-            names = ", ".join(f"'{other.name}'" for other in alike)
-            raise InputError(f"'{task.scenario}' was measured with several counts: name one of {names} in the mix")
-    scenario, dot, count = name.rpartition(".")
-    if name in known or not dot or scenario not in known:
-        task = find_named("scenario in this run", known, name)
-        return msgspec.structs.replace(usual_amount(task, part), number=number)
-    return _counted(known[scenario], count, number, part)
+    known = _known(part.results.tasks)
+    scenario, _, count = name.rpartition(".")
+    if name not in known and scenario in known:
+        return _counted(known[scenario], count, number, part)
+    alike = [f"'{task.name}'" for task in part.results.tasks if task.scenario in (name, scenario)]
+    if name not in known and alike:
+        raise InputError(f"'{name}' was measured with several counts: name one of {', '.join(alike)} in the mix")
+    return msgspec.structs.replace(usual_amount(find_named("scenario in this run", known, name), part), number=number)
 
 
-def _dotted(scenario: str, name: str) -> list[str]:
-    """The name itself, if it is a count of that scenario."""
-    return [name] if name.rpartition(".")[0] == scenario else []
+def _known(tasks: Sequence[Task]) -> dict[str, Task]:
+    """Tasks by name, and by their scenario where it has no other."""
+    scenarios = [task.scenario for task in tasks]
+    alone = {task.scenario: task for task in tasks if scenarios.count(task.scenario) == 1}
+    return alone | {task.name: task for task in tasks}
 
 
 def _counted(task: Task, count: str, number: float, part: Part) -> Amount:

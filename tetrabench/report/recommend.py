@@ -18,6 +18,7 @@ from tetrabench.report.memory import memories
 from tetrabench.report.mix import Amount, make_mix, usual_amount
 from tetrabench.report.parts import Part, make_parts
 from tetrabench.report.totals import MATTERS, Multiple, Totals
+from tetrabench.report.units import digits
 
 
 class Loss(msgspec.Struct, frozen=True, kw_only=True):
@@ -73,9 +74,11 @@ class Recommendation(msgspec.Struct, frozen=True, kw_only=True):
         workload: the name of the mix, "" where a person typed it; about: a line about that.
         reference: the backend whose ratios the totals are made of.
         launches: how many they are from; has_intervals: whether that is enough for intervals.
-        best: the first, and who cannot be told from it; only hints where `has_intervals` is False.
+        best: the first, and who cannot be told from it; only hints where `has_intervals` is False. Nobody where nothing is
+            known.
         ranked: by their totals; left_out: those that are not.
-        outlooks: on each task of the run, those of the mix first.
+        outlooks: on each task of the run, those of the mix first; none where there is no choice.
+        amounts: one of each task of the run, in what it is counted in here.
         doubts: tasks of the mix on which nothing may be ranked, with the reason.
         is_ranked: False where such a task matters to the first: then nothing is known.
         memory_limit: bytes, None where there is none.
@@ -110,7 +113,7 @@ def recommend(
     about: str = "",
     memory_limit: int | None = None,
 ) -> list[Recommendation]:
-    """A recommendation for each model of a run, and for each reference in it.
+    """A recommendation for each model of a run.
 
     Args:
         results: a run.
@@ -128,17 +131,18 @@ def recommend(
 
 
 def parts_of(results: Results) -> list[Part]:
-    """What there is to recommend for: models, each with a reference.
+    """What there is to recommend for: the models that were measured.
 
     Raises:
-        InputError: the run measured no times, or its reference took no part.
+        InputError: the run measured no times, its reference took no part, or there are several.
     """
     if results.profile == "check":
         raise InputError("these results hold answers only, no times: make some with `tetrabench run -o FILE.json`")
-    names = {backend.name for backend in results.backends}
-    missing = {one.against for one in results.backends} - names
-    if missing or not names:
-        who = ", ".join(sorted(missing)) or results.reference
+    references = {one.against for one in results.backends} or {results.reference}
+    if len(references) > 1:
+        raise InputError("these results have several references, as a gate's do: make some with `tetrabench run`")
+    if references - {backend.name for backend in results.backends}:
+        who = ", ".join(references)
         raise InputError(f"these results are without their reference, {who}: run again, with it among the backends")
     if not results.samples:
         raise InputError("these results hold no samples: run again with a larger --budget")
@@ -166,6 +170,7 @@ def recommend_part(
     ranked = [_rank(totals, name, names[0], held.get(name), memory_limit) for name in names]
     unclear = [one.backend for one in ranked if one.beside and one.beside.verdict != "slower"]
     tied = [one.backend for one in ranked if one.beside and one.beside.verdict == "cannot tell"]
+    is_ranked = bool(names) and not _is_doubtful(ranked[0], totals)
     others = [task.name for task in part.results.tasks if task.name not in totals.weights]
     return Recommendation(
         model=part.model.name,
@@ -177,13 +182,13 @@ def recommend_part(
         reference=part.reference,
         launches=len(totals.launches),
         has_intervals=totals.is_whole,
-        best=[*names[:1], *unclear],
+        best=[*names[:1], *unclear] if is_ranked else [],
         ranked=ranked,
         left_out=[LeftOut(backend=name, reason=reason) for name, reason in reasons.items() if reason],
         outlooks=[look(totals, names[0], names[1:], tied, task) for task in [*totals.weights, *others] if names[1:]],
         amounts={task.name: usual_amount(task, part) for task in part.results.tasks} | {one.task: one for one in mix},
         doubts={task: reason for task, reason in totals.doubts.items() if task in totals.weights},
-        is_ranked=bool(names) and not _is_doubtful(ranked[0], totals),
+        is_ranked=is_ranked,
         memory_limit=memory_limit,
         has_peaks=any(memory.peak_bytes for memory in held.values()),
     )
@@ -243,7 +248,8 @@ def _why_large(part: Part, name: str, limit: int) -> str:
         return f"its memory is not known, for the memory pass ended with {memory.status}"
     structure, peak = _held(memory)
     held = peak or structure or 0
-    return f"it needs {held:,} bytes on this model, the limit is {limit:,}" if held > limit else ""
+    what = "at its peak" if peak else "for its structure"
+    return f"it needs {digits(held / 1e6)} MB {what}, the limit is {digits(limit / 1e6)} MB" if held > limit else ""
 
 
 def _held(memory: Memory | None) -> tuple[int | None, int | None]:
