@@ -134,13 +134,26 @@ def _outlooks(one: Recommendation) -> Iterator[str]:
     if len(one.ranked) < 2 or not one.is_ranked:
         return
     yield from (f"Flips: {flip_of(one, outlook, flip)}." for outlook in one.outlooks for flip in outlook.flips)
-    holds = [outlook.task for outlook in one.outlooks if outlook.holds]
+    holds = [outlook.task for outlook in one.outlooks if outlook.holds == (0.0, None)]
     unclear = [outlook.task for outlook in one.outlooks if not outlook.holds and not outlook.flips]
+    bounded = [outlook for outlook in one.outlooks if outlook.holds not in (None, (0.0, None)) and not outlook.flips]
+    sure = "The" if one.has_intervals else "As far as so few launches tell, the"
+    if bounded:
+        yield f"{sure} choice holds at least {'; '.join(_between(one, outlook) for outlook in bounded)}."
     if holds:
-        sure = "The" if one.has_intervals else "As far as so few launches tell, the"
         yield f"{sure} choice holds for any amount of {_listed(holds, 'or')}."
     if unclear:
         yield f"Cannot tell whether another amount of {_listed(unclear, 'or')} would change it."
+
+
+def _between(one: Recommendation, outlook: Outlook) -> str:
+    """Weights between which a choice holds, in words."""
+    low, high = outlook.holds or (0.0, None)
+    amount = one.amounts[outlook.task]
+    least, most = amount_words(amount, low), amount_words(amount, high)  # of None: what the mix has, not shown
+    if not low:
+        return f"up to {most}"
+    return f"from {least} on" if high is None else f"from {least} to {most.removeprefix(f'{outlook.task} ')}"
 
 
 def _ends(low: str, high: str) -> str:

@@ -3,9 +3,10 @@
 In a launch the time of a contestant beyond that of the first is a line over the weight of a task, all other weights fixed:
 what it loses in the rest of the mix, and its loss in the task times the weight. Where that is 0, both take as long. A
 flip is told only where all launches agree that there is one, and on which side of it the first is; a loss or a gain within
-statistics.BEYOND is none.
+statistics.BEYOND is none. And only if nobody else is better at that weight: who cannot be told from the first may be.
 """
 
+import math
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
@@ -14,6 +15,9 @@ import numpy as np
 
 from tetrabench.bench.statistics import BEYOND, interval_over
 from tetrabench.report.totals import Seconds, Totals
+
+NOWHERE = (math.inf, -math.inf)
+"""The weights between which nothing is known to hold."""
 
 
 class Flip(msgspec.Struct, frozen=True, kw_only=True):
@@ -40,15 +44,15 @@ class Outlook(msgspec.Struct, frozen=True, kw_only=True):
 
     Attributes:
         weight: in the mix, 0 where the task is no part of it.
-        flips: the nearest one below and the nearest one above, as far as there are any.
-        holds: in all launches whoever takes longer than the first does so whatever the weight. Where it does not hold and
-            nothing flips, the run cannot tell.
+        flips: one below, one above, as far as there are any.
+        holds: the weights between which, in all launches, nobody who takes longer than the first becomes faster, with None
+            for no end; None where the run cannot tell.
     """
 
     task: str
     weight: float
     flips: list[Flip] = []
-    holds: bool = False
+    holds: tuple[float, float | None] | None = None
 
 
 class Line(NamedTuple):
@@ -69,10 +73,13 @@ class Line(NamedTuple):
         return ""
 
     @property
-    def holds(self) -> bool:
-        """Whether the first is no slower in any launch, whatever the weight."""
-        rest, once = self.first_rest <= BEYOND * self.other_rest, self.first_once <= BEYOND * self.other_once
-        return bool(rest.all() and once.all())
+    def range(self) -> tuple[float, float]:
+        """The weights between which the first is no slower in any launch; the first is above the second where none are."""
+        rest, once = BEYOND * self.other_rest - self.first_rest, BEYOND * self.other_once - self.first_once
+        ends = -rest / np.where(once == 0, 1.0, once)
+        never = np.any((once == 0) & (rest < 0))
+        low = np.max(ends, where=once > 0, initial=np.inf if never else 0.0)
+        return float(low), float(np.min(ends, where=once < 0, initial=np.inf))
 
     @property
     def weights(self) -> Seconds:
@@ -94,7 +101,7 @@ def look(totals: Totals, first: str, others: Iterable[str], tied: Sequence[str],
     if mine is None or mine.is_short or task in totals.doubts:
         return Outlook(task=task, weight=weight)
     flips: list[Flip] = []
-    holds = True
+    ranges = [(0.0, math.inf)]
     for other in others:
         theirs = totals.timed(task, other)
         if theirs is None:  # it cannot do the task: with more of it, it is out
@@ -102,19 +109,33 @@ def look(totals: Totals, first: str, others: Iterable[str], tied: Sequence[str],
         line = _line(totals, first, other, task)
         if not theirs.is_short and line.side:
             flips.append(_flip(totals, first, other, task, line))
-        elif other not in tied:
-            holds = holds and not theirs.is_short and line.holds
-    above = sorted((flip for flip in flips if flip.side == "above"), key=lambda flip: flip.weight)
-    below = sorted((flip for flip in flips if flip.side == "below"), key=lambda flip: -flip.weight)
-    return Outlook(task=task, weight=weight, flips=[*below[:1], *above[:1]], holds=holds and not flips)
-
-
-def _line(totals: Totals, first: str, other: str, task: str) -> Line:
-    first_rest, other_rest = (
-        sum((seconds for of, seconds in totals.times(name).items() if of != task), np.zeros(len(totals.launches)))
-        for name in (first, other)
+        if other not in tied:
+            ranges.append(NOWHERE if theirs.is_short else _line(totals, first, other, task, end=1).range)
+    low, high = max(low for low, _ in ranges), min(high for _, high in ranges)
+    return Outlook(
+        task=task,
+        weight=weight,
+        flips=[flip for flip in flips if flip.backend == _best_at(totals, task, flip.weight, besides=first)],
+        holds=(low, None if high == math.inf else high) if low <= weight <= high else None,
     )
-    return Line(first_rest, other_rest, _once(totals, task, first), _once(totals, task, other))
+
+
+def _line(totals: Totals, first: str, other: str, task: str, end: int = 0) -> Line:
+    """In the middle, or with `end` 1 as it is at worst for the first."""
+    rests = _rest(totals, task, first, end), _rest(totals, task, other, -end)
+    return Line(*rests, _once(totals, task, first, end), _once(totals, task, other, -end))
+
+
+def _best_at(totals: Totals, task: str, weight: float, besides: str) -> str:
+    """Who takes least with that weight of a task, by the medians."""
+    able = [name for name in totals.names if name != besides and totals.timed(task, name)]
+    return min(able, key=lambda name: float(np.median(_rest(totals, task, name) + weight * _once(totals, task, name))))
+
+
+def _rest(totals: Totals, task: str, name: str, end: int = 0) -> Seconds:
+    """Seconds of all the mix but one task."""
+    times = totals.times(name, end)
+    return sum((seconds for of, seconds in times.items() if of != task), np.zeros(len(totals.launches)))
 
 
 def _is_less(one: Seconds, other: Seconds) -> bool:
@@ -138,7 +159,7 @@ def _flip(totals: Totals, first: str, other: str, task: str, line: Line) -> Flip
     )
 
 
-def _once(totals: Totals, task: str, name: str) -> Seconds:
+def _once(totals: Totals, task: str, name: str, end: int = 0) -> Seconds:
     cell = totals.timed(task, name)
     assert cell  # who asks has looked
-    return cell.seconds(totals.launches)
+    return cell.seconds(totals.launches, end)

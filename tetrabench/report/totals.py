@@ -6,7 +6,8 @@ any two contestants, free of what disturbed that launch, and the interval over l
 
 Not every cell has a ratio in every launch. In the middle its median stands in; at the low end of an interval its least,
 at the high end its greatest, so that what was not measured makes an interval wider, never narrower. A cell of fewer
-launches than an interval needs may besides be off by statistics.CLEAR.
+launches than others have and an interval needs may besides be off by statistics.CLEAR; not at its low end where it is
+a bound (see statistics.Row), which is believed.
 """
 
 import math
@@ -72,18 +73,20 @@ class Timed:
     Attributes:
         base: seconds that the reference takes.
         logs: launch -> ln(contestant / reference).
-        is_sparse: of too few launches for an interval, where others have enough.
+        is_sparse: of too few launches for an interval, where others have more; is_bound: and yet slower than the reference.
         is_short: too short to be known: counts like the reference's.
     """
 
     base: float
     logs: Mapping[int, float]
     is_sparse: bool
+    is_bound: bool
     is_short: bool
 
-    def seconds(self, launches: Sequence[int], end: int = 0, *, slack: float = 1.0) -> Seconds:
-        """Of one run of the scenario, by launch; `slack`: by how much it may be off if it is sparse."""
-        stand_in = _ENDS[end](self.logs.values()) + (end * math.log(slack) if self.is_sparse else 0.0)
+    def seconds(self, launches: Sequence[int], end: int = 0) -> Seconds:
+        """Of one run of the scenario, by launch."""
+        is_open = self.is_sparse and not (self.is_bound and end < 0)
+        stand_in = _ENDS[end](self.logs.values()) + (end * math.log(CLEAR) if is_open else 0.0)
         return self.base * np.exp([self.logs.get(launch, stand_in) for launch in launches])
 
 
@@ -123,10 +126,10 @@ class Totals:
             self._timed[task, name] = self._time(task, name)
         return self._timed[task, name]
 
-    def times(self, name: str, end: int = 0, *, slack: float = 1.0) -> dict[str, Seconds]:
+    def times(self, name: str, end: int = 0) -> dict[str, Seconds]:
         """Seconds of the mix in each of its tasks, by launch."""
         return {
-            task: weight * cell.seconds(self.launches, end, slack=slack)
+            task: weight * cell.seconds(self.launches, end)
             for task, weight in self.weights.items()
             if (cell := self.timed(task, name))
         }
@@ -146,25 +149,22 @@ class Totals:
 
     def compare(self, one: str, other: str) -> Multiple:
         """The total of one contestant as a multiple of another's."""
-        slack = CLEAR if self.is_whole else 1.0  # else all is measured by CLEAR anyway
-        interval = self._interval(one, other, slack)
+        interval = self._interval(one, other)
         if self._is_doubtful(one) or self._is_doubtful(other):
             return _multiple("cannot tell", interval)
         if interval.low > (BEYOND if self.is_whole else CLEAR):
             is_sparse = self._has(one, lambda task: _is_sparse(self.timed(task, one)))
-            is_bound = is_sparse or not self.is_whole
-            low = self._interval(one, other, 1.0).low if is_bound else interval.low
-            return _multiple("slower", interval._replace(low=low), is_bound)
+            return _multiple("slower", interval, is_bound=is_sparse or not self.is_whole)
         return _multiple("cannot tell" if self.is_whole else "hint", interval)
 
     def in_task(self, task: str) -> "Totals":
         """The same contestants and launches in one task alone."""
         return Totals(self.part, {task: 1.0}, self.names, self.launches)
 
-    def _interval(self, one: str, other: str, slack: float) -> Interval:
+    def _interval(self, one: str, other: str) -> Interval:
         intervals = []
         for end in _ENDS:
-            ours, theirs = self.times(one, end, slack=slack), self.times(other, -end, slack=slack)
+            ours, theirs = self.times(one, end), self.times(other, -end)
             intervals.append(interval_over(np.log(_sum(ours) / _sum(theirs)).tolist(), self.confidence))
         low, middle, high = filter(None, intervals)  # none is missing: all have ended well in a launch at least
         return Interval(middle.ratio, low.low, high.high, middle.is_whole)
@@ -188,6 +188,7 @@ class Totals:
             base=self._base(task),
             logs=dict.fromkeys(self.launches, 0.0) if is_short else logs,
             is_sparse=not is_short and len(logs) < enough,
+            is_bound=row.is_bound and row.verdict == "slower",
             is_short=is_short,
         )
 
