@@ -311,6 +311,37 @@ def test_who_is_long_beside_a_reference_that_is_too_short_counts_in_full():
     assert names(found)[0] == "v3y"
 
 
+def test_a_first_one_of_few_launches_may_be_off_too():
+    """v4 is ahead by a third, if its three launches of delete are right; by CLEAR off it would be behind."""
+    seconds = {"alfa": {"v3y": 1.0, "v4": 0.5}, "delete": {"v3y": 1.0, "v4": 1.0}}
+    assert asked(make_results(seconds), "alfa=1,delete=1").best == ["v4"]
+    results = without(make_results(seconds), "delete", "v4", set(range(3, 8)))
+    assert asked(results, "alfa=1,delete=1").best == ["v4", "v3y"]
+
+
+def test_a_cell_that_is_too_short_is_so_in_every_launch():
+    """The last launches of v4 are longer than SHORTEST_S; its median is not."""
+    found = asked(make_results({"free": {"v3y": 0.001, "v4": 0.003}}), "free=1")
+    beside = ranked(found, "v4").beside
+    assert (beside.low, beside.ratio, beside.high) == (1.0, 1.0, 1.0)
+
+
+def test_seconds_are_of_one_run_of_the_scenario():
+    results = make_results({"alfa": {"v3y": 1.0, "v4": 2.0}}, wobble=0.0)
+    often = [msgspec.structs.replace(one, repeats=4) for one in results.samples]
+    found = [asked(one, "alfa=1") for one in (results, msgspec.structs.replace(results, samples=often))]
+    for one, other in zip(*(each.ranked for each in found), strict=True):
+        assert other.seconds == pytest.approx(one.seconds / 4)
+
+
+def test_an_interval_holds_for_all_who_are_compared():
+    """Of 7 contestants it needs 8 launches, of two 6."""
+    two = {"alfa": {"v3y": 1.0, "v4": 2.0}}
+    seven = {"alfa": {"v3y": 1.0, **dict.fromkeys(("v3", "v3x", "v4", "v5", "v5x", "v5y"), 2.0)}}
+    assert [asked(make_results(two, launches=n), "alfa=1").has_intervals for n in (5, 6)] == [False, True]
+    assert [asked(make_results(seven, launches=n), "alfa=1").has_intervals for n in (7, 8)] == [False, True]
+
+
 # -- reasons
 
 
@@ -430,6 +461,60 @@ def test_whoever_cannot_do_a_task_is_no_danger_with_more_of_it():
     assert (outlook.flips, outlook.holds) == ([], None)
 
 
+def test_nothing_is_said_of_tasks_that_are_doubted_or_too_short():
+    seconds = {"alfa": {"v3y": 1.0, "v3": 2.0}, "delete": {"v3y": 1.0, "v3": 0.5}, "free": {"v3y": 1e-3, "v3": 1e-3}}
+    results = make_results(seconds, wobble=0.0)
+    outlooks = {one.task: one for one in asked(results, "alfa=1").outlooks}
+    assert outlooks["delete"].flips
+    assert (outlooks["free"].flips, outlooks["free"].holds) == ([], None)
+    outlooks = {one.task: one for one in asked(slow(results, "delete", "v3y control", 1.5), "alfa=1").outlooks}
+    assert (outlooks["delete"].flips, outlooks["delete"].holds) == ([], None)
+    seconds["free"]["v4"] = seconds["alfa"]["v4"] = seconds["delete"]["v4"] = 0.1  # now the first is too short in free
+    results = change(make_results(seconds, wobble=0.0), "free", "v4", cpu_s=1e-3, process_cpu_s=1e-3)
+    results = change(results, "free", "v3", cpu_s=1.0, process_cpu_s=1.0)
+    found = asked(results, "alfa=1")
+    assert names(found)[0] == "v4"
+    assert next(one for one in found.outlooks if one.task == "free").holds is None
+
+
+def test_a_flip_that_rests_on_few_launches_is_a_hint():
+    results = without(make_results(SECONDS), "delete", "v3", set(range(3, 8)))
+    found = asked(results, "alfa=10,delete=1")
+    flips = [flip for one in found.outlooks for flip in one.flips]
+    assert {flip.backend for flip in flips} == {"v3"}
+    assert not any(flip.is_whole for flip in flips)
+
+
+def test_where_a_choice_holds_what_was_not_measured_is_at_its_worst():
+    results = make_results(SECONDS, wobble=0.1)
+    few = without(results, "delete", "v3", set(range(3, 8)))
+    alfa, delete = (naive_totals(results, {task: 1.0}) for task in ("alfa", "delete"))
+    deleted = delete["v3"] / delete["v3y"]
+    deleted = np.array([*deleted[:3], *[min(deleted[:3])] * 5]) * delete["v3y"]
+    rest, once = BEYOND * deleted - delete["v3y"], BEYOND * alfa["v3"] - alfa["v3y"]
+    found = asked(few, "alfa=10,delete=1")
+    assert next(one for one in found.outlooks if one.task == "alfa").holds[1] == pytest.approx(min(-rest / once))
+
+
+def test_nothing_holds_where_a_launch_says_otherwise_already():
+    results = make_results({"alfa": {"v3y": 1.0, "v4": 1.5}}, launches=12)
+    other = [
+        msgspec.structs.replace(one, cpu_s=one.cpu_s / 2) if (one.backend, one.launch) == ("v4", 11) else one
+        for one in results.samples
+    ]
+    found = asked(msgspec.structs.replace(results, samples=other), "alfa=1")
+    assert found.best == ["v3y"]
+    assert found.outlooks[0].holds is None
+    assert asked(results, "alfa=1").outlooks[0].holds == (0.0, None)
+
+
+def test_whoever_cannot_be_told_from_the_first_does_not_spoil_what_holds():
+    seconds = {"alfa": {"v3y": 1.0, "v4": 1.0, "v3": 2.0}}
+    found = asked(make_results(seconds, wobble=0.03), "alfa=1")
+    assert sorted(found.best) == ["v3y", "v4"]
+    assert found.outlooks[0].holds == (0.0, None)
+
+
 def test_a_flip_is_read_aloud():
     results = counted(make_results(SECONDS, wobble=0.01), alfa={"sweeps": 50}, delete={"deletions": 20_000})
     results = change(results, "delete", "v3y", items=20_000, unit="deletions")
@@ -546,6 +631,13 @@ def test_names_with_odd_characters():
     assert ODD in advice_as([found], "table")
     assert "v4\\|\\*x\\*" in advice_as([found], "md")
     assert json.loads(advice_as([found], "json"))["recommendations"][0]["ranked"][1]["backend"] == "v4|*x*"
+
+
+def test_nothing_of_a_task_is_no_part_of_the_mix():
+    found = asked(make_results(SECONDS), "alfa=1,delete=0")
+    assert [one.task for one in found.mix] == ["alfa"]
+    results = change(make_results(SECONDS), "delete", "v3", status="crash", reason="signal 11")
+    assert names(asked(results, "alfa=1,delete=0"))[0] == "v3"
 
 
 @pytest.mark.parametrize(

@@ -193,7 +193,7 @@ def _sheet(one: Recommendation) -> Sheet:
         rows=[
             [
                 Cell(ranked.backend),
-                _takes(one, ranked.beside),
+                _takes(ranked.beside),
                 Cell(_interval(one, ranked.beside)),
                 *(Cell(figure(ranked)) for _, figure in columns),
             ]
@@ -203,11 +203,9 @@ def _sheet(one: Recommendation) -> Sheet:
     )
 
 
-def _takes(one: Recommendation, beside: Multiple | None) -> Cell:
+def _takes(beside: Multiple | None) -> Cell:
     if beside is None:
         return Cell("1")
-    if not one.is_ranked:
-        return Cell("unclear", "inconclusive")
     if beside.is_bound:
         return Cell(f">{times(beside.low)}", "slower")
     text = {"slower": times(beside.ratio), "hint": f"{two_digits(beside.ratio)}?"}.get(beside.verdict, "unclear")
@@ -303,4 +301,4 @@ def _cost(one: Recommendation) -> str:
     slower = [ranked for ranked in one.ranked if ranked.beside and ranked.beside.verdict == "slower"]
     if not slower or not one.is_ranked:
         return ""
-    return f"{slower[0].backend} {_takes(one, slower[0].beside).text}"
+    return f"{slower[0].backend} {_takes(slower[0].beside).text}"
