@@ -230,6 +230,7 @@ def test_one_wrong_sample_is_enough():
         "v4": "v3y, which it is compared with, is wrong in delete",
     }
     assert "Not ranked: v3y: wrong in delete" in advice_as([found], "table")
+    assert "Not ranked: v3 and v4: v3y, which it is compared with, is wrong in delete." in advice_as([found], "table")
 
 
 def test_whoever_has_no_sample_is_not_ranked():

@@ -246,7 +246,10 @@ def _said(one: Recommendation) -> Iterator[str]:
 
 
 def _spoilt(one: Recommendation) -> Iterator[str]:
-    yield from (f"Not ranked: {left.backend}: {left.reason}." for left in one.left_out)
+    reasons: dict[str, list[str]] = {}
+    for left in one.left_out:
+        reasons.setdefault(left.reason, []).append(left.backend)
+    yield from (f"Not ranked: {_listed(names)}: {reason}." for reason, names in reasons.items())
     yield from (f"NOTHING IS RANKED in {task}: {reason}." for task, reason in one.doubts.items())
     short: dict[str, list[str]] = {}
     for ranked in one.ranked:
