@@ -56,6 +56,7 @@ def recommend(results: Path, mix: str | None, workload: str | None, memory_limit
     from tetrabench.report.advice import advice_as
     from tetrabench.report.mix import read_mix
     from tetrabench.report.recommend import recommend as recommend_for
+    from tetrabench.report.recommend import recommend_usual
 
     if mix is not None and workload is not None:
         raise click.UsageError("--mix and --workload are two ways to say the same: give one")
@@ -65,11 +66,7 @@ def recommend(results: Path, mix: str | None, workload: str | None, memory_limit
         given = recommend_for(run, read_mix(mix), memory_limit=memory_limit)
     else:
         wanted, notes = _usual(run, workload)
-        given = [
-            one
-            for usual in wanted
-            for one in recommend_for(run, usual.mix, workload=usual.name, about=usual.title, memory_limit=memory_limit)
-        ]
+        given = recommend_usual(run, wanted, memory_limit=memory_limit)
     is_brief = mix is None and workload is None
     if is_brief:
         notes.append(

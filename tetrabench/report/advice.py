@@ -38,7 +38,7 @@ def advice_as(
             "notes": list(notes),
         }
         return msgspec.json.format(msgspec.json.encode(facts), indent=1).decode() + "\n"
-    pages = _overview(given, notes) if brief else Pages([_sheet(one) for one in given], [*_about(given), *notes])
+    pages = overview_of(given, notes) if brief else Pages([_sheet(one) for one in given], [*_about(given), *notes])
     return text_of(pages, colour=colour) if form == "table" else markdown_of(pages)
 
 
@@ -287,7 +287,7 @@ def _about(given: Sequence[Recommendation]) -> Iterator[str]:
     yield "It holds for this machine and this model, and for work like that of the scenarios."
 
 
-def _overview(given: Sequence[Recommendation], notes: Sequence[str]) -> Pages:
+def overview_of(given: Sequence[Recommendation], notes: Sequence[str] = ()) -> Pages:
     """A line for each mix on each model, a table for each model."""
     sheets = []
     for model in dict.fromkeys(one.model for one in given):

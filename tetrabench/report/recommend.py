@@ -130,6 +130,17 @@ def recommend(
     ]
 
 
+def recommend_usual(
+    results: Results, workloads: Iterable[Workload], *, memory_limit: int | None = None
+) -> list[Recommendation]:
+    """A recommendation for each of these workloads, whose scenarios the run has all, on each model; see `recommend`."""
+    return [
+        one
+        for usual in workloads
+        for one in recommend(results, usual.mix, workload=usual.name, about=usual.title, memory_limit=memory_limit)
+    ]
+
+
 def parts_of(results: Results) -> list[Part]:
     """What there is to recommend for: the models that were measured.
 

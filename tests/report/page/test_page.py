@@ -141,6 +141,20 @@ def test_wrong_answers_are_called_wrong_at_the_top():
     assert "v4 in alfa on nozzle: wrong" in " ".join(top.split())
 
 
+def test_what_to_use_comes_first_where_the_run_has_what_the_work_needs(text):
+    assert 'id="advice"' not in text
+    tasks = ("init", "alfa", "flow", "delete", "explode", "locate", "select")
+    results = make_results({task: {"v3y": 1.0, "v4": 2.0} for task in tasks})
+    counts = {"delete": {"deletions": 20_000}, "explode": {"splits": 50_000}}
+    results.tasks[:] = [msgspec.structs.replace(one, options=counts.get(one.name, {})) for one in results.tasks]
+    page = make_page([("run", results)])
+    assert page.index('<section id="advice">') < page.index('<section id="measured">')
+    said = " ".join("".join(Page(page).texts).split())
+    assert "simulation use v3y v4 2.0x" in said
+    several = [msgspec.structs.replace(one, against=one.name) for one in results.backends if not one.control]
+    assert 'id="advice"' not in make_page([("gate", msgspec.structs.replace(results, backends=several))])
+
+
 def test_sections_of_others_lead(text):
     page = make_page(two_runs(), extra=[("Which & why", "<p class='holds'>so</p>")])
     assert "<h2>Which &amp; why</h2>" in page

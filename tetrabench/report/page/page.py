@@ -10,13 +10,17 @@ from importlib.metadata import version
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
+from tetrabench import registry
 from tetrabench.errors import InputError
+from tetrabench.report.advice import overview_of
 from tetrabench.report.page import figures, tables
 from tetrabench.report.page.charts import Charts, Spec
 from tetrabench.report.page.looks import PATHS, looks_of, shapes_of
 from tetrabench.report.page.subjects import ABSOLUTE, OWN, Run, Subject, bases_of, make_subjects
 from tetrabench.report.page.tables import Table
 from tetrabench.report.pages import pages_of
+from tetrabench.report.recommend import recommend_usual, unmeasured
+from tetrabench.report.sheets import Pages
 
 if TYPE_CHECKING:
     from jinja2 import Template
@@ -85,6 +89,7 @@ def make_page(
         sections=sections,
         extra=[(f"extra-{place}", title, fragment) for place, (title, fragment) in enumerate(extra)],
         pages=[pages for run in named for pages in pages_of(run.results)],
+        advice=[(run.name, pages) for run in named if (pages := _advice(run)) is not None],
         answers=[tables.answers_table(subject) for subject in subjects],
         sheet_table=tables.sheet_table,
         machine_table=tables.machine_table,
@@ -100,6 +105,17 @@ def make_page(
         script=_text("script.js"),
         library=_library(),
     )
+
+
+def _advice(run: Run) -> Pages | None:
+    """What to use for the usual mixes of work; None where the run can answer none."""
+    known = registry.workloads(run.results.family).values()
+    answered = [one for one in known if not unmeasured(one, run.results)]
+    try:
+        given = recommend_usual(run.results, answered)
+    except InputError:  # a gate's run, or one without its reference: nothing can be recommended from it
+        return None
+    return overview_of(given) if given else None
 
 
 def _base_words(base: str, subjects: Sequence[Subject]) -> str:
