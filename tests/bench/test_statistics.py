@@ -3,6 +3,7 @@
 import math
 from itertools import pairwise
 
+import msgspec
 import numpy as np
 import pytest
 from scipy import stats
@@ -440,3 +441,37 @@ def test_a_control_casts_its_doubt_whoever_the_reference_is():
     assert rows["alfa", "v3"].verdict == "inconclusive"
     assert "a second copy of v3y, took 1.50 times" in rows["alfa", "v3"].reason
     assert rows["flow", "v3"].verdict == "faster"
+
+
+def test_a_control_casts_its_doubt_where_the_reference_is_so_noisy_that_nothing_ranked_anyway():
+    """The reference and its control are off together by half, the control by a fifth more: v4 and v3 are quiet."""
+    results = make_results({"alfa": {"v3": 1.0, "v3y": 1.0, "v4": 1.3}}, launches=12, wobble=0.0)
+    swing = {launch: math.exp(0.5 * (-1) ** launch) for launch in range(12)}
+    samples = []
+    for one in results.samples:
+        factor = {REFERENCE: 1.0, f"{REFERENCE} control": 1.2}.get(one.backend)
+        seconds = one.cpu_s * (factor * swing[one.launch] if factor else 1.0)
+        samples.append(msgspec.structs.replace(one, cpu_s=seconds, process_cpu_s=seconds))
+    results = msgspec.structs.replace(results, samples=samples)
+    assert {row.verdict for row in summary(results) if row.backend in ("v3", "v4")} == {"inconclusive"}
+    rows = {row.backend: row for row in summary_against(results, "v4")}
+    assert rows["v3"].ratio == pytest.approx(1 / 1.3)
+    assert rows["v3"].verdict == "inconclusive"
+    assert "took 1.20 times" in rows["v3"].reason
+
+
+def test_a_control_says_nothing_of_those_with_another_reference():
+    results = slow(make_results(wobble=0.0), "alfa", f"{REFERENCE} control", 1.5)
+    apart = [
+        msgspec.structs.replace(one, against="v4") if one.name in ("v4", "v5", "v5x") else one
+        for one in results.backends
+    ]
+    rows = {row.backend: row for row in summary_against(msgspec.structs.replace(results, backends=apart), "v4")}
+    verdicts = {
+        row.backend: row.verdict
+        for row in summary(msgspec.structs.replace(results, backends=apart))
+        if row.task == "alfa"
+    }
+    assert verdicts["v3"] == "inconclusive"
+    assert verdicts["v5"] in ("same", "faster", "slower")
+    assert rows["v5"].reason == ""

@@ -105,7 +105,7 @@ FAULTS = {  # finding -> what makes it false: task, backend, how many times as l
     "freeing": [("free", "v4", 0.3)],
     "allocating": [("init", "v4", 1.2)],
     "edits": [("explode", "v4", 0.8)],
-    "searching": [("locate-brute", "v3y", 0.1)],
+    "searching": [("locate-brute", "v3y", 0.1), ("locate-brute", "v3y control", 0.1)],
 }
 
 

@@ -137,14 +137,22 @@ def rebased(results: Results, base: str) -> Results:
 
 
 def summary_against(results: Results, base: str) -> list[Row]:
-    """The rows of `summary` with another reference; where a control casts doubt on a task, it does so here too."""
+    """The rows of `summary` with another reference.
+
+    Where a control casts doubt on a contestant or on `base`, beside the reference that they had, it does so here too.
+    """
+    references = {one.name: one.against for one in results.backends}
+    contestants = len(contestants_of(results.backends))
     doubts = {
-        (row.model, row.task): row.reason
+        (row.model, row.task, row.against): doubt
         for row in summary(results)
-        if row.verdict == "inconclusive" and row.reason and not row.control
+        if row.control and (doubt := doubt_of(row, contestants))
     }
-    rows = summary(rebased(results, base))
-    return [_unclear(row, doubts[row.model, row.task]) if (row.model, row.task) in doubts else row for row in rows]
+    return [
+        _unclear(row, next((doubts[place] for place in places if place in doubts), ""))
+        for row in summary(rebased(results, base))
+        for places in [[(row.model, row.task, references[name]) for name in (row.backend, base)]]
+    ]
 
 
 def _rows(
@@ -152,15 +160,20 @@ def _rows(
 ) -> list[Row]:
     """The rows of one task on one model."""
     clock = "wall" if parallel or any(map(_ran_parallel, cells.values())) else "cpu"
-    contestants = [one for one in backends if not one.control and one.against != one.name]
-    confidence = confidence_of(len(contestants))
+    contestants = len(contestants_of(backends))
+    confidence = confidence_of(contestants)
     rows = []
     for backend in backends:
         if samples := cells.get(backend.name):
             reference = cells.get(backend.against, [])
             rows.append(_row(samples, reference, backend, clock, confidence, launches))
-    doubtful = {row.against: row for row in rows if row.control and differs(row, fewest_for(confidence))}
-    return [_doubt(row, doubtful[row.against]) if row.against in doubtful else row for row in rows]
+    doubts = {row.against: doubt_of(row, contestants) for row in rows if row.control}
+    return [_unclear(row, doubts.get(row.against, "")) for row in rows]
+
+
+def contestants_of(backends: Sequence[Backend]) -> list[Backend]:
+    """Those that are compared with a reference."""
+    return [one for one in backends if not one.control and one.against != one.name]
 
 
 def confidence_of(contestants: int) -> float:
@@ -180,14 +193,16 @@ def differs(row: Row, fewest: int) -> bool:
     return verdict_of(Interval(row.ratio, row.low, row.high, row.launches >= fewest)) in ("faster", "slower")
 
 
-def _doubt(row: Row, control: Row) -> Row:
-    """A row next to a control that differs from the reference: no difference can be believed."""
-    return _unclear(row, f"the control, a second copy of {row.against}, took {control.ratio:.2f} times as long as it")
+def doubt_of(control: Row, contestants: int) -> str:
+    """Why nothing can be ranked beside a second copy of the reference where so many are: it differs. "" where it does not."""
+    if not differs(control, fewest_launches(contestants)):
+        return ""
+    return f"the control, a second copy of {control.against}, took {control.ratio:.2f} times as long as it"
 
 
 def _unclear(row: Row, reason: str) -> Row:
-    """A row that ranks nothing, for that reason."""
-    if row.verdict not in ("faster", "slower", "same"):
+    """A row that ranks nothing, where there is a reason for that."""
+    if not reason or row.verdict not in ("faster", "slower", "same"):
         return row
     return msgspec.structs.replace(row, verdict="inconclusive", is_bound=False, reason=reason)
 

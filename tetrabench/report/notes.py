@@ -145,8 +145,7 @@ def _listed(facts: Iterable[tuple[str, str, str]]) -> Iterator[str]:
 
 def _about_controls(part: Part) -> Iterator[str]:
     """What the second copy of the reference says of all others."""
-    doubted = {row.task: row.reason for row in part.rows.values() if row.verdict == "inconclusive" and row.reason}
-    for task, reason in doubted.items():
+    for task, reason in part.doubts.items():
         yield f"NOTHING IS RANKED in {task}: {reason}."
     known = [row for row in part.controls.values() if row.verdict == "control"]
     ends = [end for row in known for end in (row.low, row.high) if end is not None]

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from tetrabench.bench.record import Backend, Model, Results
-from tetrabench.bench.statistics import Row, fewest_launches, summary
+from tetrabench.bench.statistics import Row, contestants_of, doubt_of, fewest_launches, summary
 from tetrabench.report.units import counted, plural, singular
 
 ENDED = {"interrupted": "INTERRUPTED", "budget": "OUT OF BUDGET"}
@@ -39,6 +39,13 @@ class Part:
         """How many launches each task was done in, as far as they went."""
         done = {(one.task, one.launch) for one in self.results.samples if one.model == self.model.name}
         return {task: sum(of == task for of, _ in done) for task in self.tasks}
+
+    @property
+    def doubts(self) -> dict[str, str]:
+        """Tasks in which nothing may be ranked, for a second copy of the reference differed from it: the reason of each."""
+        number = len(contestants_of(self.results.backends))
+        found = {task: doubt_of(row, number) for task, row in self.controls.items()}
+        return {task: doubt for task, doubt in found.items() if doubt}
 
     @property
     def item(self) -> str:

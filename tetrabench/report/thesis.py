@@ -239,7 +239,6 @@ def _subject(name: str, measured: Measured, source: Source) -> Subject:
     part = measured.part
     model = model_of(part.model.name, source) or ""
     few = fewer_than_asked(part)
-    doubted = {row.task: row.reason for row in part.rows.values() if row.verdict == "inconclusive" and row.reason}
     ended = dict.fromkeys(
         f"{row.backend} in {row.task}, {row.verdict}: {' '.join(row.reason.split())}."
         for row in part.rows.values()
@@ -260,7 +259,7 @@ def _subject(name: str, measured: Measured, source: Source) -> Subject:
         notes=[
             *filter(None, [about_end(part.results)]),
             *([f"Fewer than asked for, the model is too small: {few}."] if few else []),
-            *(f"Nothing is ranked in {task}: {reason}." for task, reason in doubted.items()),
+            *(f"Nothing is ranked in {task}: {reason}." for task, reason in part.doubts.items()),
             *ended,
         ],
     )

@@ -188,11 +188,7 @@ class Measured(Known):
 
     def is_doubted(self, task: str) -> bool:
         """A control differs from the reference."""
-        return any(
-            row.verdict == "inconclusive" and row.reason
-            for row in self.part.rows.values()
-            if row.task == self.tasks.get(task)
-        )
+        return self.tasks.get(task) in self.part.doubts
 
     def between_tasks(self, task: str, other_task: str, contestant: str) -> Interval | None:
         """See sources.Facts."""

@@ -117,8 +117,7 @@ class Totals:
     @cached_property
     def doubts(self) -> dict[str, str]:
         """Tasks on which nothing may be ranked, for their control differs: the reason of each."""
-        rows = self.part.rows.values()
-        return {row.task: row.reason for row in rows if row.verdict == "inconclusive" and row.reason}
+        return self.part.doubts
 
     def timed(self, task: str, name: str) -> Timed | None:
         """What is known of a cell; None where it did not end well, or has nothing to be compared with."""
