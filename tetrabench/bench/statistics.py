@@ -258,11 +258,11 @@ def launch_ratios(samples: Iterable[Sample], reference: Iterable[Sample], clock:
     reference = list(reference)
     if any(sample.status != "ok" for sample in reference):
         return {}
-    theirs = {_place(sample): _counted(sample, clock) for sample in reference}
+    theirs = {_place(sample): counted_of(sample, clock) for sample in reference}
     rounds: dict[int, list[float]] = {}
     for sample in samples:
         if sample.status == "ok" and _place(sample) in theirs:
-            ratio = math.log(_counted(sample, clock) / theirs[_place(sample)])
+            ratio = math.log(counted_of(sample, clock) / theirs[_place(sample)])
             rounds.setdefault(sample.launch, []).append(ratio)
     return {launch: median(ratios) for launch, ratios in rounds.items()}
 
@@ -317,7 +317,7 @@ def _seconds(sample: Sample, clock: str) -> float:
     return total_of(sample, clock) / sample.repeats
 
 
-def _counted(sample: Sample, clock: str) -> float:
+def counted_of(sample: Sample, clock: str) -> float:
     """One run of the scenario, where a sample counts as SHORTEST_S at least."""
     return max(total_of(sample, clock), SHORTEST_S) / sample.repeats
 

@@ -26,10 +26,10 @@ def report(results: tuple[Path, ...], output: Path, thesis: bool) -> None:
     from tetrabench.report.page import make_page
 
     suffixes = (".html", ".htm", ".md") if thesis else (".html", ".htm")
-    if output.suffix not in suffixes:
+    if output.suffix.lower() not in suffixes:
         raise InputError(f"{output}: a report is written as FILE{' or FILE'.join(suffixes)}")
     runs = [(path.stem, read_results(path)) for path in results]
-    if output.suffix == ".md":
+    if output.suffix.lower() == ".md":
         from tetrabench.report.thesis_page import write_markdown
 
         write_markdown([run for _, run in runs], output)
@@ -38,8 +38,9 @@ def report(results: tuple[Path, ...], output: Path, thesis: bool) -> None:
         if thesis:
             from tetrabench.report.thesis_page import make_section
 
-            extra.append(make_section([run for _, run in runs]))
-        with patience(f"drawing the charts of {len(runs)} run{'s' * (len(runs) > 1)}"):
-            page = make_page(runs, extra=extra)
+            with patience("drawing the source's figures"):
+                extra.append(make_section([run for _, run in runs]))
+        with patience(f"drawing the charts of {len(runs)} run{'s' * (len(runs) > 1)}") as step:
+            page = make_page(runs, extra=extra, step=step)
         write_whole(output, page.encode())
-    say(f"wrote {output}; open it in a browser" if output.suffix != ".md" else f"wrote {output}")
+    say(f"wrote {output}; open it in a browser" if output.suffix.lower() != ".md" else f"wrote {output}")

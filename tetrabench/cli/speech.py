@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
+
+    from rich.progress import Progress
 
     from tetrabench.bench import Plan
 
@@ -44,20 +46,33 @@ def tabulate(head: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
 
 
 @contextlib.contextmanager
-def patience(doing: str) -> Iterator[None]:
-    """Say on stderr what is going on, once that takes long: with a clock on a terminal, else in one line."""
+def patience(doing: str) -> Iterator[Callable[[int, int], None]]:
+    """Say on stderr what is going on, once that takes long: with a clock on a terminal, else in one line.
+
+    Whoever knows how far it is, calls what this yields with how many of how many are done: the clock tells what is left.
+    """
     stream = sys.stderr  # that of now: what meshio prints is taken away from it meanwhile
     shown = contextlib.ExitStack()
+    far: list[tuple[int, int]] = []  # the last one counts
+    bars: list[Progress] = []
+
+    def step(done: int, total: int) -> None:
+        far.append((done, total))
+        for bar in bars:
+            bar.update(bar.task_ids[0], completed=done, total=total)
 
     def tell() -> None:
         from rich.console import Console
-        from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+        from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
         console = Console(file=stream)
         if console.is_terminal:
-            columns = SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn()
-            bar = Progress(*columns, console=console, transient=True, redirect_stdout=False, redirect_stderr=False)
-            shown.enter_context(bar).add_task(doing)
+            words = SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn()
+            left = (TextColumn("left:"), TimeRemainingColumn()) if far else ()
+            bar = Progress(*words, *left, console=console, transient=True, redirect_stdout=False, redirect_stderr=False)
+            done, total = far[-1] if far else (0, None)
+            shown.enter_context(bar).add_task(doing, total=total, completed=done)
+            bars.append(bar)
         else:
             console.print(f"{doing} ...", markup=False, highlight=False, soft_wrap=True)
 
@@ -65,7 +80,7 @@ def patience(doing: str) -> Iterator[None]:
     timer.daemon = True
     timer.start()
     try:
-        yield
+        yield step
     finally:
         timer.cancel()
         timer.join()

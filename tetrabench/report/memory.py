@@ -8,6 +8,9 @@ from tetrabench.report.parts import Part
 
 Sizes = dict[str, float | str]  # contestant -> bytes an item, or the word that stands where no figure may
 
+MEMORY_ERROR = 0.01
+"""What a process retains, and its peak, differ by so much between equal runs."""
+
 _ENDS = {"oom": "no memory", "timeout": "timed out", "crash": "crashed", "unsupported": "cannot", "skipped": "skipped"}
 
 

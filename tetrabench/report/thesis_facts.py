@@ -20,12 +20,9 @@ from tetrabench.bench.statistics import (
     samples_of,
     total_of,
 )
-from tetrabench.report.memory import memories
+from tetrabench.report.memory import MEMORY_ERROR, memories
 from tetrabench.report.parts import Part
 from tetrabench.sources import Source
-
-MEMORY_ERROR = 0.01
-"""Measured memory differs by so much between equal runs."""
 
 FEWEST_APART = 3
 """A range over so many launches at least says how far two models are apart that were not measured in turn."""

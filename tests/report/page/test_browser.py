@@ -11,6 +11,7 @@ from tests.report.page.pages import EVIL, HOSTILE, browser_path, hostile, sweep,
 from tetrabench.bench.statistics import summary_against
 from tetrabench.report.cells import interval_of
 from tetrabench.report.page import make_page
+from tetrabench.report.page.subjects import ABSOLUTE
 
 playwright = pytest.importorskip("playwright.sync_api")
 pytest.importorskip("vl_convert")
@@ -187,7 +188,7 @@ def test_another_base_moves_marks_and_numbers(visit, base):
 
 def test_seconds_stand_where_nothing_is_compared(visit):
     here = visit("two")
-    here.do("times-alfa", lambda page: page.select_option("select[name=base]", "absolute"))
+    here.do("times-alfa", lambda page: page.select_option("select[name=base]", ABSOLUTE))
     line = here.page.locator('figure:has([data-figure="times-alfa"]) tr[data-backend=v3y][data-model=nozzle]')
     assert re.fullmatch(r"[\d.]+ s", line.locator("td.text").text_content())
     assert line.locator("td.text").text_content() in here.words("times-alfa")

@@ -10,14 +10,14 @@ import pytest
 from tests.report.made import make_results, slow
 from tests.report.page.pages import TASKS, sweep, two_runs
 from tetrabench.bench import Results, summary
-from tetrabench.bench.statistics import summary_against
+from tetrabench.bench.statistics import SHORTEST_S, summary_against
 from tetrabench.errors import InputError
 from tetrabench.report.page import figures
-from tetrabench.report.page.subjects import ABSOLUTE, OWN, Run, bases_of, make_subjects
+from tetrabench.report.page.subjects import ABSOLUTE, OWN, bases_of, make_runs, make_subjects
 
 
 def subjects_of(runs: list[tuple[str, Results]]):
-    return make_subjects([Run(*run) for run in runs])
+    return make_subjects(make_runs(runs))
 
 
 @pytest.mark.parametrize("base", ["v3y", "v4", "v5y"])
@@ -91,29 +91,88 @@ def test_samples_are_multiples_of_the_same_round_and_noise_is_that_of_the_contro
         assert datum["ratio"] == pytest.approx(
             by_place[datum["backend"], launch, round] / by_place["v3y", launch, round]
         )
-        assert datum["seconds"] == by_place[datum["backend"], launch, round]
         assert (datum["quiet"], datum["loud"]) == pytest.approx((min(control), max(control)))
+
+
+def test_samples_are_counted_as_the_ratios_beside_them_are():
+    """A sample of the reference under 5 ms counts as 5 ms; who is too short himself, or went wrong, has no line."""
+    results = make_results(TASKS, wobble=0.0)
+    drawn = figures.samples(subjects_of([("run", results)]))["free"]
+    assert {one["backend"] for one in drawn} == {"v3y", "v4"}
+    raw = {(one.backend, one.launch, one.round): one.cpu_s for one in results.samples if one.task == "free"}
+    for one in drawn:
+        launch, round = divmod(one["place"] - 1, 3)
+        times = (raw[name, launch, round] for name in (one["backend"], "v3y"))
+        mine, theirs = (max(seconds, SHORTEST_S) for seconds in times)
+        assert one["ratio"] == pytest.approx(mine / theirs)
+    broken = [
+        msgspec.structs.replace(one, status="wrong-result")
+        if (one.task, one.backend, one.launch) == ("alfa", "v4", 0)
+        else one
+        for one in results.samples
+    ]
+    wrong = figures.samples(subjects_of([("run", msgspec.structs.replace(results, samples=broken))]))["alfa"]
+    assert "v4" not in {one["backend"] for one in wrong}
+    assert "v5y" in {one["backend"] for one in wrong}
 
 
 def test_one_round_is_no_chart_of_samples():
     assert figures.samples(subjects_of([("run", make_results(TASKS, launches=1, rounds=1))])) == {}
 
 
-def test_the_front_is_what_nobody_beats_in_both():
-    runs = two_runs()[:1]
-    kind, drawn = figures.trade(subjects_of(runs))
+def test_the_front_is_what_nobody_is_shown_to_beat():
+    (name, results), *_ = two_runs()
+    kind, drawn = figures.trade(subjects_of([(name, results)])[0])
     assert kind == "peak"
     for datum in drawn:
-        rivals = [one for one in drawn if one["task"] == datum["task"] and one is not datum]
-        beaten = any(one["seconds"] < datum["seconds"] and one["bytes"] <= datum["bytes"] * 1.0099 for one in rivals)
+        verdicts = {
+            rival.backend: next(
+                row.verdict
+                for row in summary_against(results, rival.backend)
+                if (row.task, row.backend) == (datum["task"], datum["backend"])
+            )
+            for rival in results.memory
+        }
+        sizes = {one.backend: one.peak_bytes for one in results.memory}
+        mine = sizes[datum["backend"]]
+        beaten = any(
+            (0.99 < sizes[rival] / mine < 1.01 and verdict == "slower")
+            or (sizes[rival] / mine < 0.99 and verdict in ("slower", "same"))
+            for rival, verdict in verdicts.items()
+        )
         assert datum["front"] == (not beaten)
+        assert datum["bytes"] == pytest.approx(mine / results.models[0].size["tetras"])
     assert {one["backend"] for one in drawn if one["front"] and one["task"] == "alfa"} == {"v3y"}
 
 
-def test_a_smaller_and_slower_one_is_on_the_front_too():
+def test_a_larger_and_faster_one_is_on_the_front_too():
     results = slow(make_results({"alfa": {"v3y": 1.0, "v4": 1.0}}), "alfa", "v4", 0.5)
-    _, drawn = figures.trade(subjects_of([("run", results)]))
-    assert {(one["backend"], one["front"]) for one in drawn} == {("v3y", True), ("v4", True)}  # v4: faster, larger
+    _, drawn = figures.trade(subjects_of([("run", results)])[0])
+    assert {(one["backend"], one["front"]) for one in drawn} == {("v3y", True), ("v4", True)}
+
+
+def test_what_cannot_be_told_apart_is_all_on_the_front():
+    once = make_results({"alfa": {"v3": 1.2, "v3y": 1.0, "v5y": 5.0}}, launches=1, rounds=1)
+    _, drawn = figures.trade(subjects_of([("run", once)])[0])
+    assert {one["backend"] for one in drawn if one["front"]} == {"v3", "v3y"}
+
+
+def test_each_model_has_the_kind_of_memory_that_is_known_of_it():
+    (_, first), (_, second) = two_runs()
+    bare = [msgspec.structs.replace(one, peak_bytes=None) for one in second.memory]
+    subjects = subjects_of([("a", first), ("b", msgspec.structs.replace(second, memory=bare))])
+    assert [figures.trade(subject)[0] for subject in subjects] == ["peak", "retained"]
+    assert all(figures.trade(subject)[1] for subject in subjects)
+
+
+def test_a_base_of_another_run_leaves_a_word():
+    (_, first), (_, second) = two_runs()
+    samples = [one for one in second.samples if one.backend != "v4"]
+    backends = [one for one in second.backends if one.name != "v4"]
+    subjects = subjects_of([("a", first), ("b", msgspec.structs.replace(second, samples=samples, backends=backends))])
+    drawn = figures.times(subjects, ["v4"])["init"]
+    assert {one["word"] for one in drawn if one["model"] == "intake"} == {"no v4"}
+    assert not [one for one in drawn if one["model"] == "intake" and one["value"] is not None]
 
 
 def test_growth_takes_every_size():
@@ -141,11 +200,13 @@ def test_shares_of_the_limit_are_those_of_the_summary():
     assert shares
 
 
-def test_labels_are_unique():
+def test_labels_and_runs_are_unique():
     (_, first), (_, second) = two_runs()
     assert [one.label for one in subjects_of([("a", first), ("b", second)])] == ["nozzle", "intake"]
     assert [one.label for one in subjects_of([("a", first), ("b", first)])] == ["nozzle (a)", "nozzle (b)"]
-    assert [one.label for one in subjects_of([("a", first), ("a", first)])] == ["nozzle (a)", "nozzle (a) 2"]
+    assert [one.label for one in subjects_of([("a", first), ("a", first)])] == ["nozzle (a)", "nozzle (a 2)"]
+    (_, one), (_, other) = sweep() * 2
+    assert {row["run"] for row in figures.growth(subjects_of([("s", one), ("s", other)]))} == {"s", "s 2"}
 
 
 def test_the_usual_base_comes_first():

@@ -1,5 +1,6 @@
 """The page as text: complete, self-contained, its numbers exact, everything from results escaped."""
 
+import html
 import json
 import re
 from html.parser import HTMLParser
@@ -10,7 +11,8 @@ import pytest
 from tests.report.made import make_results
 from tests.report.page.pages import EVIL, HOSTILE, TASKS, hostile, sweep, two_runs
 from tetrabench.bench import summary
-from tetrabench.report.page import make_page
+from tetrabench.report.page import figures, make_page
+from tetrabench.report.page.subjects import make_runs, make_subjects
 
 pytest.importorskip("vl_convert")
 
@@ -99,7 +101,9 @@ def test_the_drawn_numbers_are_those_of_the_results(text):
 
 def test_every_chart_has_a_picture_words_and_a_table(text):
     charts = re.findall(
-        r'<div class="chart" role="img" aria-label="([^"]+)" data-figure="([^"]+)">(.*?)</div>', text, re.DOTALL
+        r'<div class="chart" role="img" aria-label="([^"]+)" data-words="[^"]+" data-figure="([^"]+)">(.*?)</div>',
+        text,
+        re.DOTALL,
     )
     figures = json.loads(re.search(r'id="figures">(.*?)</script>', text, re.DOTALL)[1])
     assert sorted(name for _, name, _ in charts) == sorted(figures)
@@ -113,6 +117,16 @@ def test_every_chart_has_a_picture_words_and_a_table(text):
         == len(charts)
         == len(re.findall(r"</div>\s*\n?<div class=\"scroll\"[^>]*>\s*<table>", text))
     )
+
+
+def test_pictures_say_what_tables_say(text):
+    """Shortening them may touch lengths of lines, never words and figures."""
+    drawn = figures.times(make_subjects(make_runs(two_runs())), ["v3y"])
+    for task, rows in drawn.items():
+        svg = re.search(f'data-figure="times-{task}">(.*?)</div>', text, re.DOTALL)[1]
+        words = {re.sub("<[^>]+>", "", one) for one in re.findall(r"<text[^>]*>(.*?)</text>", svg)}
+        told = {row["text"] or row["word"] for row in rows} - {"1"}
+        assert {html.escape(one) for one in told} <= words
 
 
 def test_growth_is_there_where_there_are_sizes():

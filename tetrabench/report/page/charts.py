@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from tetrabench.bench.statistics import ALIKE
+from tetrabench.report.page import figures
 from tetrabench.report.page.figures import Datum
 from tetrabench.report.page.subjects import ABSOLUTE
 
@@ -18,9 +19,8 @@ PANEL = 170  # of a panel among several
 TOGGLED = {"type": "log", "nice": False, "padding": 14}  # script.js makes it linear when asked to
 _ROW, _SUBROW = 27, 17  # pixels a backend, and a backend on one of several models
 _DECADE = "abs(log(datum.value) / LN10 - round(log(datum.value) / LN10)) < 1e-6"
-LINE = 500  # square of the length of a line in a legend
-UNSEEN = 0.05  # bytes an item: a buffer with less has no place in a chart, only in the table
-FEW = 3  # points of a line that would not be seen without marks
+LINE = 160  # size of a sign in a legend of lines
+MARKS = 8  # along a line, so that it is known without its colour
 QUIET = "#808080"  # of marks that are not of a backend: seen on white and on black
 CONFIG: Spec = {
     "aria": False,  # a word for each mark would double the page; the table beside it says all of them
@@ -168,7 +168,7 @@ class Charts:
                 ]
             },
         ]
-        few = {"joinaggregate": [{"op": "count", "as": "rounds"}], "groupby": ["backend", "model"]}
+        every = max(1, len({row["place"] for row in rows}) // MARKS)
         lines = {
             "width": WIDTH - 130,
             "height": 130,
@@ -193,17 +193,17 @@ class Charts:
                     },
                 },
                 {
-                    "transform": [few, {"filter": f"datum.rounds <= {FEW} || hovered"}],
-                    "mark": {"type": "point", "size": 30, "opacity": 1},
+                    "transform": [{"filter": f"datum.place % {every} == 1 % {every} || hovered"}],
+                    "mark": {"type": "point", "size": 34, "opacity": 1},
                     "encoding": {
                         "x": place,
                         "y": {**ratio, "field": "ratio"},
                         "color": self._key(self._stroke(), LINE),
+                        "shape": self._key(self._shape(), LINE),
                         "tooltip": [
                             {"field": "backend"},
                             {"field": "place", "title": "round"},
                             {"field": "ratio", "format": ".3r"},
-                            {"field": "seconds", "format": ".3s", "title": "seconds of one run"},
                         ],
                     },
                 },
@@ -265,7 +265,7 @@ class Charts:
         panel = {
             "width": PANEL,
             "height": 150,
-            "mark": {"type": "line", "point": {"size": 36}, "strokeWidth": 1.6},
+            "mark": {"type": "line", "strokeWidth": 1.6, "point": {"size": 50, "filled": False}},
             "encoding": {
                 "x": {
                     "field": "size",
@@ -283,9 +283,11 @@ class Charts:
                 },
                 "color": self._key(self._stroke(), LINE),
                 "strokeDash": self._key(self._dash(), LINE),
+                "shape": self._key(self._shape(), LINE),
                 "detail": {"field": "run"},
                 "tooltip": [
                     {"field": "backend"},
+                    {"field": "run"},
                     {"field": "size", "format": ",", "title": things},
                     {"field": "ns", "format": ".3r", "title": "ns an item"},
                 ],
@@ -295,7 +297,7 @@ class Charts:
 
     def fields(self, rows: Sequence[Datum], item: str) -> Spec:
         """Bytes an item by buffer, stacked; the larger pieces carry their names."""
-        rows = [row for row in rows if row["bytes"] >= UNSEEN]
+        rows = [row for row in rows if row["bytes"] >= figures.UNSEEN]
         who: dict[str, set[str]] = {}
         for row in rows:
             who.setdefault(row["field"], set()).add(row["backend"])
@@ -442,8 +444,7 @@ class Charts:
 
     def _key(self, encoding: Spec, size: int = 80) -> Spec:
         """The same with a legend of the backends below the chart."""
-        line = {"symbolType": "stroke"} if size == LINE else {}
-        return {**encoding, "legend": {"orient": "bottom", "columns": 7, "symbolSize": size, **line}}
+        return {**encoding, "legend": {"orient": "bottom", "columns": 7, "symbolSize": size}}
 
     def _stroke(self) -> Spec:
         return self._of_backends("stroke")

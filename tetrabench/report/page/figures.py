@@ -1,20 +1,20 @@
 """The numbers behind each chart of a page, as flat rows: what is drawn and what stands in the table beside it."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from statistics import median
 from typing import Any
 
 from tetrabench.bench.record import Sample
-from tetrabench.bench.statistics import Row, samples_of, total_of
+from tetrabench.bench.statistics import Row, counted_of, samples_of, total_of
 from tetrabench.report.cells import interval_of, ratio_of, word_of
-from tetrabench.report.memory import memories, memory_of
+from tetrabench.report.memory import MEMORY_ERROR, memories, memory_of
 from tetrabench.report.page.subjects import ABSOLUTE, OWN, Subject
 from tetrabench.report.units import duration, percent
 
 Datum = dict[str, Any]
 
-ALIKE = 1.01
-"""Memory of the same structure in two processes differs by so much."""
+UNSEEN = 0.05
+"""Bytes an item: a buffer with less has no place in a chart, only in the table."""
 _SURE = ("faster", "slower", "same", "reference")
 _SHOWN = (*_SURE, "about", "inconclusive")
 
@@ -28,14 +28,22 @@ def times(subjects: Sequence[Subject], bases: Sequence[str]) -> dict[str, list[D
     """
     tasks: dict[str, list[Datum]] = {}
     for subject in subjects:
+        own = [row for row in subject.rows() if not row.control]
+        spans = _spans(subject, own) if ABSOLUTE in bases else {}
         for base in bases:
-            rows = subject.rows(OWN if base == ABSOLUTE else base)
-            controls = {row.task: row for row in rows if row.control}
-            for row in rows:
-                if not row.control:
-                    datum = _absolute(subject, row) if base == ABSOLUTE else _compared(row, controls.get(row.task))
-                    facts = {"model": subject.label, "backend": subject.name_of(row.backend), "base": base}
-                    tasks.setdefault(row.task, []).append(facts | datum | {"verdict": row.verdict})
+            rows = {(row.task, row.backend): row for row in subject.rows(OWN if base == ABSOLUTE else base)}
+            controls = {row.task: row for row in rows.values() if row.control}
+            for mine in own:
+                row = rows.get((mine.task, mine.backend))
+                if base == ABSOLUTE:
+                    datum = _absolute(mine, spans.get((mine.task, mine.backend)))
+                elif row is None:  # another run's backend
+                    datum = _datum(None, None, None, text=f"no {base}", span="", sure=False)
+                else:
+                    datum = _compared(row, controls.get(row.task))
+                facts = {"model": subject.label, "backend": subject.name_of(mine.backend), "base": base}
+                said = row.verdict if row is not None and base != ABSOLUTE else ""
+                tasks.setdefault(mine.task, []).append(facts | datum | {"verdict": said})
     return tasks
 
 
@@ -50,18 +58,28 @@ def _compared(row: Row, control: Row | None) -> Datum:
     return _datum(row.ratio, low, high, text=ratio_of(row), span=interval_of(row), sure=row.verdict in _SURE)
 
 
-def _absolute(subject: Subject, row: Row) -> Datum:
+def _absolute(row: Row, span: tuple[float, float] | None) -> Datum:
     """Seconds of one run, and the range of the medians of the launches."""
-    if row.seconds is None:
+    if row.seconds is None or span is None:
         return _datum(None, None, None, text=word_of(row), span="", sure=False)
-    launches: dict[int, list[float]] = {}
-    for sample in subject.run.results.samples:
-        if (sample.model, sample.task, sample.backend) == (row.model, row.task, row.backend) and sample.status == "ok":
-            launches.setdefault(sample.launch, []).append(total_of(sample, row.clock) / sample.repeats)
-    middles = [median(seconds) for seconds in launches.values()]
-    low, high = min(middles), max(middles)
-    span = f"{duration(low)} to {duration(high)}" if low < high else ""
-    return _datum(row.seconds, low, high, text=duration(row.seconds), span=span, sure=True)
+    low, high = span
+    words = f"{duration(low)} to {duration(high)}" if low < high else ""
+    return _datum(row.seconds, low, high, text=duration(row.seconds), span=words, sure=True)
+
+
+def _spans(subject: Subject, rows: Sequence[Row]) -> dict[tuple[str, str], tuple[float, float]]:
+    """Seconds of one run in the quickest and in the slowest launch, by task and backend."""
+    cells = samples_of(subject.run.results)
+    spans = {}
+    for row in rows:
+        launches: dict[int, list[float]] = {}
+        for sample in cells[subject.model.name, row.task, row.backend]:
+            if sample.status == "ok":
+                launches.setdefault(sample.launch, []).append(total_of(sample, row.clock) / sample.repeats)
+        if launches:
+            middles = [median(seconds) for seconds in launches.values()]
+            spans[row.task, row.backend] = min(middles), max(middles)
+    return spans
 
 
 def _datum(value: float | None, low: float | None, high: float | None, *, text: str, span: str, sure: bool) -> Datum:
@@ -81,84 +99,83 @@ def samples(subjects: Sequence[Subject]) -> dict[str, list[Datum]]:
     """By task: each sample as a multiple of the reference's of the same round, over rounds.
 
     `place` counts rounds through all launches; `quiet` and `loud` are the least and the largest multiple that the second
-    copy of the reference had: so much differs where nothing does. Tasks with one round have none.
+    copy of the reference had: so much differs where nothing does. Cells that went wrong, or are too short to say anything,
+    are left out, and so are tasks with one round.
     """
     tasks: dict[str, list[Datum]] = {}
     for subject in subjects:
         cells = samples_of(subject.run.results)
         rounds = subject.run.results.effort.rounds
-        clocks = {row.task: row.clock for row in subject.rows()}
-        for task, clock in clocks.items():
-            by_name = {
-                name: found for (model, of, name), found in cells.items() if (model, of) == (subject.model.name, task)
-            }
-            ratios = {
-                one.name: dict(_ratios(by_name, one.name, one.against, clock)) for one in subject.run.results.backends
-            }
-            controls = {one.against: ratios[one.name].values() for one in subject.run.results.backends if one.control}
-            for one in subject.backends:
-                noise = controls.get(one.against, ())
-                for (launch, round), (ratio, seconds) in ratios[one.name].items():
-                    datum = {
+        for row in subject.rows():
+            if row.control or row.status != "ok" or row.verdict == "too short":
+                continue
+            places = (subject.model.name, row.task)
+            reference = cells.get((*places, row.against), [])
+            second = next(
+                (one for one in subject.run.results.backends if one.control and one.against == row.against), None
+            )
+            noise = _multiples(cells.get((*places, second.name), []) if second else [], reference, row.clock).values()
+            for (launch, round), ratio in _multiples(cells[(*places, row.backend)], reference, row.clock).items():
+                tasks.setdefault(row.task, []).append(
+                    {
                         "model": subject.label,
-                        "backend": subject.name_of(one.name),
+                        "backend": subject.name_of(row.backend),
                         "place": launch * rounds + round + 1,
                         "ratio": ratio,
-                        "seconds": seconds,
-                        "quiet": min((r for r, _ in noise), default=None),
-                        "loud": max((r for r, _ in noise), default=None),
+                        "quiet": min(noise, default=None),
+                        "loud": max(noise, default=None),
                     }
-                    tasks.setdefault(task, []).append(datum)
+                )
     return {task: rows for task, rows in tasks.items() if len({row["place"] for row in rows}) > 1}
 
 
-def _ratios(
-    samples: dict[str, list[Sample]], name: str, against: str, clock: str
-) -> Iterator[tuple[tuple[int, int], tuple[float, float]]]:
-    """(launch, round) -> (multiple of the reference, seconds), of samples that ended well."""
-
-    def seconds(sample: Sample) -> float:
-        return total_of(sample, clock) / sample.repeats
-
-    theirs = {(one.launch, one.group, one.round): one for one in samples.get(against, []) if one.status == "ok"}
-    for one in samples.get(name, []):
-        other = theirs.get((one.launch, one.group, one.round))
-        if one.status == "ok" and other is not None and seconds(other) > 0 and seconds(one) > 0:
-            yield (one.launch, one.round), (seconds(one) / seconds(other), seconds(one))
+def _multiples(samples: Sequence[Sample], reference: Sequence[Sample], clock: str) -> dict[tuple[int, int], float]:
+    """(launch, round) -> multiple of the reference's time, counted as the ratios of the tables are."""
+    theirs = {(one.launch, one.group, one.round): one for one in reference if one.status == "ok"}
+    pairs = [(one, theirs.get((one.launch, one.group, one.round))) for one in samples if one.status == "ok"]
+    return {
+        (one.launch, one.round): counted_of(one, clock) / counted_of(other, clock)
+        for one, other in pairs
+        if other is not None
+    }
 
 
-def trade(subjects: Sequence[Subject]) -> tuple[str, list[Datum]]:
-    """Time against memory: the kind of memory, and each backend in each task, `front` where none is better in both."""
-    kinds = [kind for kind in ("peak", "retained", "structure") if any(_sizes(subject, kind) for subject in subjects)]
-    kind = kinds[0] if kinds else ""
-    found = []
-    for subject in subjects:
-        sizes = _sizes(subject, kind)
-        cells = [
-            (row, sizes[row.backend], row.seconds)
-            for row in subject.rows()
-            if not row.control and row.seconds and row.backend in sizes
-        ]
-        for row, size, seconds in cells:
-            rivals = [(other / size, time / seconds) for rival, other, time in cells if rival.task == row.task]
-            better = [more for more, longer in rivals if _beats(more, longer)]
-            found.append(
-                {
-                    "model": subject.label,
-                    "task": row.task,
-                    "backend": subject.name_of(row.backend),
-                    "bytes": size,
-                    "seconds": seconds,
-                    "front": not better,
-                    "text": duration(seconds),
-                }
-            )
-    return kind, found
+def trade(subject: Subject) -> tuple[str, list[Datum]]:
+    """Time against memory on a model: the kind of memory, and each backend in each task.
+
+    `front`: no other is shown to be better in one of both and not worse in the other.
+    """
+    kind = next((one for one in ("peak", "retained", "structure") if _sizes(subject, one)), "")
+    sizes = _sizes(subject, kind)
+    cells = [row for row in subject.rows() if not row.control and row.seconds is not None and row.backend in sizes]
+    beside = {
+        (row.task, row.backend, rival): row.verdict
+        for rival in sizes
+        for row in subject.rows(rival)
+        if row.backend in sizes
+    }
+    return kind, [
+        {
+            "model": subject.label,
+            "task": row.task,
+            "backend": subject.name_of(row.backend),
+            "bytes": sizes[row.backend],
+            "seconds": row.seconds,
+            "front": not any(
+                _beats(sizes[rival] / sizes[row.backend], beside.get((row.task, row.backend, rival), ""))
+                for rival in sizes
+            ),
+            "text": duration(row.seconds or 0.0),
+        }
+        for row in cells
+    ]
 
 
-def _beats(size: float, time: float) -> bool:
-    """Whether a rival with such ratios is better in one and not worse in the other; equal memory differs by ALIKE."""
-    return (size < ALIKE and time < 1) or (size < 1 / ALIKE and time <= 1)
+def _beats(size: float, verdict: str) -> bool:
+    """Whether a rival with so many times the memory, beside which one is "slower" or "same", is better."""
+    if size < 1 / (1 + MEMORY_ERROR):
+        return verdict in ("slower", "same")
+    return size < 1 + MEMORY_ERROR and verdict == "slower"
 
 
 def _sizes(subject: Subject, kind: str) -> dict[str, float]:

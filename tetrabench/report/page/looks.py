@@ -9,7 +9,7 @@ from tetrabench.report.page.subjects import Subject
 from tetrabench.report.style import Style, make_styles
 
 _SHAPES = {"o": "circle", "s": "square", "^": "triangle-up", "D": "diamond", "v": "triangle-down"}
-_DASHES = {"o": [], "s": [6, 3], "^": [2, 2], "D": [8, 3, 2, 3], "v": [1, 3]}
+_DASHES = {"-": [], "--": [7, 3], ":": [2, 3], "-.": [8, 3, 2, 3]}
 _MODELS = ("circle", "diamond", "square", "triangle-up", "cross", "triangle-down", "triangle-left", "triangle-right")
 PATHS = {
     "circle": "M6,1a5,5 0 1,0 .01,0z",
@@ -25,7 +25,10 @@ PATHS = {
 
 
 def looks_of(subjects: Sequence[Subject]) -> dict[str, dict[str, Any]]:
-    """By shown name of a backend: its words, and `fill`, `stroke`, `shape`, `dash` of its marks."""
+    """By shown name of a backend: its words, and the `fill`, `stroke` and `shape` of its marks, the `dash` of its lines.
+
+    The dash tells the layout, the shape what a layout is combined with: both are on every line.
+    """
     looks: dict[str, dict[str, Any]] = {}
     for subject in subjects:
         for style in make_styles(subject.run.results).values():
@@ -40,7 +43,7 @@ def _look(style: Style) -> dict[str, Any]:
         "fill": to_hex(style.paint["facecolor"]),
         "stroke": style.line["color"],
         "shape": _SHAPES[marker],
-        "dash": _DASHES[marker],
+        "dash": _DASHES[style.line["linestyle"]],
     }
 
 

@@ -5,18 +5,19 @@ import gzip
 import re
 from base64 import b64encode
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from importlib.metadata import version
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 from tetrabench import registry
+from tetrabench.bench.record import Results
 from tetrabench.errors import InputError
 from tetrabench.report.advice import overview_of
 from tetrabench.report.page import figures, tables
 from tetrabench.report.page.charts import Charts, Spec
 from tetrabench.report.page.looks import PATHS, looks_of, shapes_of
-from tetrabench.report.page.subjects import ABSOLUTE, OWN, Run, Subject, bases_of, make_subjects
+from tetrabench.report.page.subjects import ABSOLUTE, OWN, Run, Subject, bases_of, make_runs, make_subjects
 from tetrabench.report.page.tables import Table
 from tetrabench.report.pages import pages_of
 from tetrabench.report.recommend import recommend_usual, unmeasured
@@ -45,43 +46,43 @@ class Figure:
     title: str
     words: str
     spec: Spec
-    svg: str
     table: Table
+    svg: str = ""
 
 
 @dataclass(frozen=True)
 class Section:
-    """Figures under one heading."""
+    """Figures under one heading, and further tables beneath."""
 
     name: str
     title: str
     words: str
     figures: list[Figure]
+    tables: list[Table] = field(default_factory=list)
 
 
 def make_page(
-    runs: Sequence[tuple[str, Any]],
+    runs: Sequence[tuple[str, Results]],
     *,
     extra: Sequence[tuple[str, str]] = (),
-    told: Callable[[str], None] = lambda _: None,
+    step: Callable[[int, int], None] = lambda done, total: None,
 ) -> str:
     """The page of some runs as HTML.
 
     Args:
-        runs: names, and the results (record.Results) that they stand for.
+        runs: names, and the results that they stand for.
         extra: further sections: titles, and fragments of HTML that are safe to show.
-        told: is called with what is being done.
+        step: is told how many of how many charts are drawn.
 
     Raises:
         InputError: there is nothing to show, or the extra `report` is not installed.
     """
-    named = [Run(name, results) for name, results in runs]
+    named = make_runs(runs)
     subjects = make_subjects(named)
     bases = bases_of(subjects)
     looks = looks_of(subjects)
     shapes = shapes_of([subject.label for subject in subjects])
-    sections = list(_sections(subjects, bases, Charts(looks, shapes, bases[0]), told))
-    told("writing the page")
+    sections = _draw(list(_sections(subjects, bases, Charts(looks, shapes, bases[0]))), step)
     return _template().render(
         title=", ".join(shapes),
         runs=named,
@@ -93,9 +94,13 @@ def make_page(
         answers=[tables.answers_table(subject) for subject in subjects],
         sheet_table=tables.sheet_table,
         machine_table=tables.machine_table,
-        memory=tables.memory_table(subjects),
         version=version("tetrabench"),
-        wrong=[(one.label, row) for one in subjects for row in one.rows() if row.verdict in ("wrong", "unstable")],
+        wrong=[
+            (f"{one.name_of(row.backend)} in {row.task} on {one.label}", row.verdict)
+            for one in subjects
+            for row in one.rows()
+            if row.verdict in ("wrong", "unstable")
+        ],
         looks=looks,
         shapes=shapes,
         paths=PATHS,
@@ -121,63 +126,68 @@ def _advice(run: Run) -> Pages | None:
 def _base_words(base: str, subjects: Sequence[Subject]) -> str:
     if base == ABSOLUTE:
         return "nothing: seconds of one run"
-    return "the reference of each" if base == OWN else base
+    known = {one.name: subject.name_of(one.name) for subject in subjects for one in subject.backends}
+    return known.get(base, "the reference of each")
 
 
-def _sections(
-    subjects: Sequence[Subject], bases: Sequence[str], charts: Charts, told: Callable[[str], None]
-) -> Iterator[Section]:
-    """Everything that there is something to show of."""
+def _sections(subjects: Sequence[Subject], bases: Sequence[str], charts: Charts) -> Iterator[Section]:
+    """Everything that there is something to show of; nothing is drawn yet."""
     times, samples = figures.times(subjects, bases), figures.samples(subjects)
     reference = bases[0] if bases[0] != OWN else "its reference"
-    drawn = []
+    found = []
     for task, rows in times.items():
-        told(f"drawing {task}")
-        words = f"Time of {task} of each backend, compared with {reference}; the numbers are in the table beside it."
+        words = f"Time of {task} of each backend; the numbers are in the table beside it"
         table = tables.times_table(subjects, task, rows, bases[0])
-        drawn.append(_figure(f"times-{task}", "times", task, words, charts.times(rows), table))
+        found.append(Figure(f"times-{task}", "times", task, words, charts.times(rows), table))
         if task in samples:
-            words = f"All samples of {task} over rounds, as multiples of {reference}'s; shaded is what differs between equals."
-            spec, table = charts.samples(samples[task], reference), tables.samples_table(samples[task])
-            drawn.append(_figure(f"samples-{task}", "samples", f"{task}: all samples", words, spec, table))
-    yield Section("scenarios", "Scenario by scenario", TIMES, drawn)
-    told("drawing memory")
-    kind, trade = figures.trade(subjects)
+            words = (
+                f"Samples of {task} over rounds, as multiples of {reference}'s; shaded is what differs between equals"
+            )
+            spec, table = charts.samples(samples[task], reference), tables.samples_table(samples[task], task)
+            found.append(Figure(f"samples-{task}", "samples", f"{task}: samples", words, spec, table))
+    yield Section("scenarios", "Scenario by scenario", TIMES, found)
     item = subjects[0].item
-    if trade:
-        words = (
-            "Time of one run against memory, a panel for each scenario; filled marks and the line are the Pareto front."
-        )
-        drawn = []
-        for label in dict.fromkeys(row["model"] for row in trade):
-            mine = [row for row in trade if row["model"] == label]
-            spec, table = charts.trade(mine, kind, item), tables.trade_table(mine, kind, item)
-            drawn.append(_figure(f"trade-{label}", "trade", label, words, spec, table))
-        yield Section("trade", "Time against memory", TRADE, drawn)
-    if fields := figures.fields(subjects):
-        words = f"Bytes a {item} of each buffer of each backend, stacked."
-        figure = _figure(
-            "fields",
-            "fields",
-            "Memory by buffer",
-            words,
-            charts.fields(fields, item),
-            tables.fields_table(fields, item),
-        )
-        yield Section("memory", "Memory", MEMORY, [figure])
+    found = []
+    for subject in subjects:
+        kind, rows = figures.trade(subject)
+        if rows:
+            words = "Time of one run against memory, a panel for each scenario; filled marks are the Pareto front"
+            table = tables.trade_table(rows, subject.label, kind, item)
+            spec = charts.trade(rows, kind, item)
+            found.append(Figure(f"trade-{subject.label}", "trade", subject.label, words, spec, table))
+    if found:
+        yield Section("trade", "Time against memory", TRADE, found)
+    fields, memory = figures.fields(subjects), tables.memory_table(subjects)
+    if memory.lines:
+        found = []
+        if any(row["bytes"] >= figures.UNSEEN for row in fields):
+            words = f"Bytes a {item} of each buffer of each backend, stacked"
+            table = tables.fields_table(fields, item)
+            found = [Figure("fields", "fields", "Memory by buffer", words, charts.fields(fields, item), table)]
+        yield Section("memory", "Memory", MEMORY, found, [memory])
     if grown := figures.growth(subjects):
         things = next(iter(subjects[0].model.size), "items")
-        words = f"Time of an item over the number of {things}, both logarithmic, a panel for each scenario."
-        figure = _figure(
-            "growth", "growth", "Growth", words, charts.growth(grown, things), tables.growth_table(grown, things)
-        )
-        yield Section("growth", "Growth with size", GROWTH, [figure])
+        words = f"Time of an item over the number of {things}, both logarithmic, a panel for each scenario"
+        spec, table = charts.growth(grown, things), tables.growth_table(grown, things)
+        yield Section("growth", "Growth with size", GROWTH, [Figure("growth", "growth", "Growth", words, spec, table)])
     if limits := figures.limits(subjects):
-        words = "Share of the machine's bandwidth that the least traffic of each scenario takes."
-        figure = _figure(
-            "limits", "limits", "Share of the limit", words, charts.limits(limits), tables.limits_table(limits)
-        )
-        yield Section("limits", "How near to the machine's limit", LIMITS, [figure])
+        words = "Share of the machine's bandwidth that the least traffic of each scenario takes"
+        spec, table = charts.limits(limits), tables.limits_table(limits)
+        shown = Figure("limits", "limits", "Share of the limit", words, spec, table)
+        yield Section("limits", "How near to the machine's limit", LIMITS, [shown])
+
+
+def _draw(sections: Sequence[Section], step: Callable[[int, int], None]) -> list[Section]:
+    """The same with all charts drawn."""
+    total, done, drawn = sum(len(section.figures) for section in sections), 0, []
+    for section in sections:
+        shown = []
+        for figure in section.figures:
+            step(done, total)
+            shown.append(replace(figure, svg=_drawn(figure.spec)))
+            done += 1
+        drawn.append(replace(section, figures=shown))
+    return drawn
 
 
 TIMES = (
@@ -185,8 +195,7 @@ TIMES = (
     "band all are the same."
 )
 TRADE = (
-    "Down and left is better. Filled: no other backend is better in both, by medians; what lies close to such a one may be as "
-    "good."
+    "Down and left is better. Filled: no other backend is shown to be better in one of both and not worse in the other."
 )
 MEMORY = (
     "Used bytes of each buffer of the fresh structure, exact; in the table beneath, what a process of its own holds."
@@ -198,19 +207,20 @@ LIMITS = (
 )
 
 
-def _figure(name: str, kind: str, title: str, words: str, spec: Spec, table: Table) -> Figure:
-    return Figure(name, kind, title, words, spec, _drawn(spec), table)
-
-
 def _drawn(spec: Spec) -> str:
     """The chart as SVG, without what style.css or the format itself says already: two thirds of the room."""
     svg: str = _vega().vegalite_to_svg(spec)
-    svg = re.sub(
-        r' (?:pointer-events="none"|opacity="1"|stroke-width="1"|aria-hidden="true"|font-family="[^"]*")', "", svg
-    )
+    svg = re.sub(r"<[^>]*>", lambda tag: _slim(tag[0]), svg)  # never the words between tags
     svg = re.sub(r'<path class="(?:fore|back)ground" d="[^"]*"(?: display="none")?/>', "", svg)
-    svg = re.sub(r"(\d\.\d)\d+", r"\1", svg)
     return svg.replace("<svg ", '<svg aria-hidden="true" ', 1)  # the chart has words, and the table has the numbers
+
+
+def _slim(tag: str) -> str:
+    """A tag without needless attributes, its lengths to a tenth of a pixel."""
+    tag = re.sub(
+        r' (?:pointer-events="none"|opacity="1"|stroke-width="1"|aria-hidden="true"|font-family="[^"]*")', "", tag
+    )
+    return re.sub(r"(\d\.\d)\d+", r"\1", tag)
 
 
 @functools.cache

@@ -58,7 +58,7 @@
     const stage = document.createElement("div");
     const turn = (chart.turn = (chart.turn || 0) + 1);
     try {
-      await vegaEmbed(stage, specified(name, want, room), { actions: false, renderer: "svg", tooltip: { theme: dark.matches ? "dark" : "light" } });
+      await vegaEmbed(stage, specified(name, want, room), { actions: false, renderer: "svg", logLevel: 1, tooltip: { theme: dark.matches ? "dark" : "light" } });
     } catch (error) {
       console.error(`${name}: not drawn`, error); // what was drawn beforehand stays
       return;
@@ -93,6 +93,10 @@
         verdict.textContent = row ? row.verdict : "";
       }
     }
+    for (const chart of charts) {
+      const compared = figures[chart.dataset.figure].kind === "times" ? `, compared with ${form.elements.base.selectedOptions[0].textContent}` : "";
+      chart.setAttribute("aria-label", `${chart.dataset.words}${compared}.`);
+    }
     const count = (number, thing) => `${number} ${thing}${number === 1 ? "" : "s"}`;
     const against = form.elements.base.selectedOptions[0].textContent;
     document.getElementById("said").textContent = `${count(want.backends.length, "backend")} on ${count(want.models.length, "model")}, compared with ${against}.`;
@@ -121,11 +125,24 @@
     document.head.append(script);
   }
 
+  /** Draw what nobody has scrolled to as well, when there is time: on paper all charts and tables must say the same. */
+  let rest = 0;
+  async function drawRest() {
+    const turn = ++rest;
+    for (const chart of charts) {
+      await new Promise((resume) => setTimeout(resume, 30));
+      if (turn !== rest) return;
+      if (chart.dataset.asked || chart.closest("figure").hidden) continue;
+      chart.dataset.asked = "yes";
+      await draw(chart);
+    }
+  }
+
   await unpack();
   form.hidden = false;
   if (matchMedia("(max-width: 40rem)").matches) form.querySelector("details").open = false;
   form.addEventListener("submit", (event) => event.preventDefault());
-  form.addEventListener("change", () => { follow(asked()); redraw(); });
+  form.addEventListener("change", () => { follow(asked()); redraw(); drawRest(); });
   dark.addEventListener("change", redraw);
   let width = innerWidth, waiting;
   addEventListener("resize", () => {

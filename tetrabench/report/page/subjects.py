@@ -9,9 +9,9 @@ from tetrabench.bench.statistics import Row, summary, summary_against
 from tetrabench.errors import InputError
 from tetrabench.report.parts import Part, make_parts, shown_name
 
-OWN = "own"
-"""The base where each backend is compared with the reference that it has in its run."""
-ABSOLUTE = "absolute"
+OWN = " own"
+"""The base where each backend is compared with the reference that it has in its run. No backend's name begins so."""
+ABSOLUTE = " absolute"
 """The base where nothing is compared: times as they were."""
 
 
@@ -58,7 +58,8 @@ class Subject:
 
     def name_of(self, backend: str) -> str:
         """The shown name of a backend."""
-        return next(shown_name(one) for one in self.run.results.backends if one.name == backend)
+        known = {one.name: shown_name(one) for one in self.run.results.backends}
+        return known.get(backend, backend)
 
     def rows(self, base: str = OWN) -> list[Row]:
         """Those of the run on this model."""
@@ -80,22 +81,28 @@ def make_subjects(runs: Sequence[Run]) -> list[Subject]:
         raise InputError("these runs are of several families: what they stored cannot be compared; a page for each")
     models = [(run, model) for run in runs for model in run.results.models]
     labels = _labels([(run.name, model.name) for run, model in models])
+    parts = {id(run): make_parts(run.results, run.rows()) for run in runs}
     return [
-        Subject(run, model, label, [part for part in make_parts(run.results) if part.model == model])
+        Subject(run, model, label, [part for part in parts[id(run)] if part.model == model])
         for (run, model), label in zip(models, labels, strict=True)
         if any(sample.model == model.name for sample in run.results.samples)
     ]
 
 
-def _labels(names: Sequence[tuple[str, str]]) -> list[str]:
-    """The model's name, with that of the run where others have the same, with a number where even that is not enough."""
-    models = Counter(model for _, model in names)
-    labels = [model if models[model] == 1 else f"{model} ({run})" for run, model in names]
+def make_runs(named: Sequence[tuple[str, Results]]) -> list[Run]:
+    """Runs under their names; where several have one, with a number."""
     seen: Counter[str] = Counter()
-    for place, label in enumerate(labels):
-        seen[label] += 1
-        labels[place] = f"{label} {seen[label]}" if seen[label] > 1 else label
-    return labels
+    runs = []
+    for name, results in named:
+        seen[name] += 1
+        runs.append(Run(f"{name} {seen[name]}" if seen[name] > 1 else name, results))
+    return runs
+
+
+def _labels(names: Sequence[tuple[str, str]]) -> list[str]:
+    """The model's name, with that of the run where others have the same."""
+    models = Counter(model for _, model in names)
+    return [model if models[model] == 1 else f"{model} ({run})" for run, model in names]
 
 
 def bases_of(subjects: Sequence[Subject]) -> list[str]:

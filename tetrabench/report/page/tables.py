@@ -51,7 +51,7 @@ def times_table(subjects: Sequence[Subject], task: str, rows: Iterable[Datum], b
     }
     return Table(
         caption=f"{task}: the numbers",
-        head=["backend", "model", "one run", "per item", "ratio", "interval", "verdict"],
+        head=["backend", "model", "one run", "per item", "figure", "interval", "verdict"],
         lines=[
             Line(
                 [backend, model],
@@ -71,13 +71,13 @@ def times_table(subjects: Sequence[Subject], task: str, rows: Iterable[Datum], b
     )
 
 
-def samples_table(rows: Sequence[Datum]) -> Table:
+def samples_table(rows: Sequence[Datum], task: str) -> Table:
     """How far the samples of each backend are apart."""
     groups: dict[tuple[str, str], list[float]] = {}
     for row in rows:
         groups.setdefault((row["backend"], row["model"]), []).append(row["ratio"])
     return Table(
-        caption="Samples, as multiples of the reference's of the same round",
+        caption=f"{task}: samples, as multiples of the reference's of the same round",
         head=["backend", "model", "samples", "least", "median", "largest"],
         lines=[
             Line(
@@ -91,10 +91,10 @@ def samples_table(rows: Sequence[Datum]) -> Table:
     )
 
 
-def trade_table(rows: Sequence[Datum], kind: str, item: str) -> Table:
+def trade_table(rows: Sequence[Datum], model: str, kind: str, item: str) -> Table:
     """Time and memory of each backend in each task."""
     return Table(
-        caption=f"Time of one run, and {kind} bytes a {item}; on the front: none is better in both",
+        caption=f"{model}: time of one run, and {kind} bytes a {item}; front: none is shown to be better",
         head=["scenario", "backend", "model", "one run", f"bytes a {item}", "front"],
         lines=[
             Line(
@@ -216,7 +216,7 @@ def answers_table(subject: Subject) -> Table:
     samples = [one for one in subject.run.results.samples if one.model == subject.model.name and one.digest]
     answers: dict[str, dict[str, set[str]]] = {}
     for one in samples:
-        answers.setdefault(one.task, {}).setdefault(one.digest, set()).add(one.backend)
+        answers.setdefault(one.task, {}).setdefault(one.digest, set()).add(subject.name_of(one.backend))
     return Table(
         caption=f"{subject.label}: answers",
         head=["scenario", "digest", "given by"],
