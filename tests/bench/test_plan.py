@@ -159,6 +159,9 @@ class TestMakePlan:
         assert "numbering" not in plan_of().command
         with pytest.raises(InputError, match="several sizes and several numberings: sweep over one"):
             plan_of(numberings=["natural", "shuffled"], tets=[100, 300])
+        with pytest.raises(InputError, match="compared with the natural one: add it"):
+            plan_of(numberings=["hilbert", "shuffled"])
+        assert list(plan_of(numberings=["hilbert"]).models) == ["tiny hilbert"]
 
     def test_sweeps_over_options(self):
         plan = plan_of(scenarios=["first", "second"], options={"first.count": [3, 5], "count": [7]})

@@ -132,11 +132,13 @@ def make_plan(
 
     Raises:
         InputError: unknown names, a model that is not there, a count below 1, more than one round with the thesis, a
-            sweep over sizes and numberings at once.
+            sweep over sizes and numberings at once, or over numberings without the natural one.
     """
     numberings = list(dict.fromkeys(numberings))
     if len(tets or ()) > 1 and len(numberings) > 1:
         raise InputError("several sizes and several numberings: sweep over one of them at a time")
+    if len(numberings) > 1 and "natural" not in numberings:
+        raise InputError("several numberings are compared with the natural one: add it, --numbering natural,...")
     guide = guide or Registry()
     kind = guide.describe(family)
     chosen = _choose("backend", kind.contestants, backends)
