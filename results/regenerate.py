@@ -1,22 +1,29 @@
-"""Repeat the committed runs, and put their tables into the pages that show them: `make results`, `make thesis`."""
+"""Repeat the committed runs, and write what the pages show of them anew: `make results`, `make reference`, `make thesis`."""
 
 import argparse
 import re
 import subprocess
 import sys
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 RESULTS = Path(__file__).parent
+README, FINDINGS = RESULTS.parent / "README.md", RESULTS / "README.md"
 RUNS = {
     "nozzle-120k-quick": "--model nozzle --tets 120k --quick",
+    "reference-nozzle": "--model nozzle --numbering natural,shuffled --rounds 1",
+    "reference-intake": "--model intake --numbering natural,shuffled --rounds 1",
+    "numbering-nozzle": "--model nozzle --numbering natural,hilbert,rcm,shuffled --backend v3y,v4,v5y "
+    "--scenario alfa,flow,locate --rounds 1",
     "thesis-nozzle": "--model nozzle --thesis",
     "thesis-nozzle-shuffled": "--model nozzle --numbering shuffled --thesis",
     "thesis-intake": "--model intake --thesis",
     "thesis-intake-shuffled": "--model intake --numbering shuffled --thesis",
 }
 """File in this folder -> what `tetrabench run` is told."""
-
-PAGES = {name: (RESULTS if name.startswith("thesis") else RESULTS.parent) / "README.md" for name in RUNS}
+REFERENCE = ["reference-nozzle", "reference-intake"]
+"""What is concluded from."""
 
 
 def tetrabench(*arguments: str) -> str:
@@ -26,33 +33,87 @@ def tetrabench(*arguments: str) -> str:
 
 
 def table(name: str) -> str:
-    """The table of a committed run, as Markdown."""
-    return tetrabench("show", str(RESULTS / f"{name}.json"), "--format", "md").strip()
+    """The table of a committed run."""
+    return tetrabench("show", file_of(name), "--format", "md").strip()
 
 
-def marks(name: str) -> tuple[str, str]:
-    """What stands around the table on its page."""
-    return f"<!-- table {name}: begin -->", f"<!-- table {name}: end -->"
+def advice() -> str:
+    """What to use, by the reference runs."""
+    return "\n\n".join(tetrabench("recommend", file_of(name), "--format", "md").strip() for name in REFERENCE)
 
 
-def shown(name: str) -> str:
+def findings() -> str:
+    """Which findings of the source still hold."""
+    from tetrabench.bench import read_results
+    from tetrabench.registry import source
+    from tetrabench.report.thesis import compare_with_source
+    from tetrabench.report.thesis_page import overview_as_markdown
+
+    runs = [read_results(Path(file_of(name))) for name in REFERENCE]
+    return overview_as_markdown(compare_with_source(runs, source("tetra")))
+
+
+def numbering() -> str:
+    """Layout beside numbering."""
+    from tetrabench.bench import read_results
+    from tetrabench.report.numbering import make_numbering_pages
+    from tetrabench.report.table import markdown_of
+
+    return markdown_of(make_numbering_pages(read_results(Path(file_of("numbering-nozzle"))))).strip()
+
+
+def file_of(name: str) -> str:
+    """The results file of a run."""
+    return str(RESULTS / f"{name}.json")
+
+
+BLOCKS: dict[str, tuple[Path, Callable[[], str]]] = {
+    "what to use": (FINDINGS, advice),
+    "findings of the source": (FINDINGS, findings),
+    "layout and numbering": (FINDINGS, numbering),
+} | {
+    f"table {name}": (README if name == "nozzle-120k-quick" else FINDINGS, partial(table, name))
+    for name in RUNS
+    if name != "numbering-nozzle"
+}
+"""What stands between two marks: on which page, and what it says."""
+
+
+def marks(block: str) -> tuple[str, str]:
+    """What stands around a block on its page."""
+    return f"<!-- {block}: begin -->", f"<!-- {block}: end -->"
+
+
+def shown(block: str) -> str:
     """What the page shows."""
-    begin, end = marks(name)
-    return PAGES[name].read_text().partition(begin)[2].partition(end)[0].strip()
+    begin, end = marks(block)
+    page, _ = BLOCKS[block]
+    return page.read_text().partition(begin)[2].partition(end)[0].strip()
 
 
-def regenerate(name: str, *, run: bool) -> None:
-    """Run, draw, and rewrite the table; or show the committed run anew."""
-    file, folder = RESULTS / f"{name}.json", RESULTS / name
-    folder.mkdir(exist_ok=True)
-    if run:
-        tetrabench("run", *RUNS[name].split(), "-o", str(file), "--charts", str(folder))
-    else:
-        tetrabench("show", str(file), "--charts", str(folder))
-    begin, end = marks(name)
-    block = f"{begin}\n{table(name)}\n{end}"
-    page = PAGES[name].read_text()
-    PAGES[name].write_text(re.sub(f"{begin}.*{end}", lambda _: block, page, flags=re.DOTALL))
+def rewrite(block: str) -> None:
+    """Write a block anew."""
+    (page, make), (begin, end) = BLOCKS[block], marks(block)
+    text = f"{begin}\n{make()}\n{end}"
+    page.write_text(re.sub(f"{begin}.*{end}", lambda _: text, page.read_text(), flags=re.DOTALL))
+
+
+def regenerate(names: list[str], *, run: bool) -> Iterator[str]:
+    """Run what is named, draw its charts, and write all that the pages show anew; or only draw and write."""
+    for name in names:
+        folder = RESULTS / name
+        folder.mkdir(exist_ok=True)
+        if run:
+            yield f"running {name}"
+            tetrabench("run", *RUNS[name].split(), "-o", file_of(name))
+        yield f"drawing {name}"
+        tetrabench("show", file_of(name), "--charts", str(folder))
+    if set(names) & set(REFERENCE):
+        yield "writing source.md"
+        tetrabench("report", *map(file_of, REFERENCE), "--thesis", "-o", str(RESULTS / "source.md"))
+    for block in BLOCKS:
+        yield f"writing {block}"
+        rewrite(block)
 
 
 def main() -> None:
@@ -64,8 +125,8 @@ def main() -> None:
     strange = ", ".join(name for name in options.runs if name not in RUNS)
     if strange:
         parser.error(f"no run {strange}; there are: {', '.join(RUNS)}")
-    for name in options.runs or RUNS:
-        regenerate(name, run=not options.table)
+    for done in regenerate(options.runs or list(RUNS), run=not options.table):
+        print(done, file=sys.stderr)
 
 
 if __name__ == "__main__":

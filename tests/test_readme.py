@@ -21,9 +21,16 @@ import regenerate  # noqa: E402
 sys.path.pop(0)
 
 
-@pytest.mark.parametrize("name", regenerate.RUNS)
-def test_the_table_is_that_of_the_committed_run(name):
-    assert regenerate.shown(name) == regenerate.table(name)
+@pytest.mark.parametrize("block", regenerate.BLOCKS)
+def test_pages_show_what_the_committed_runs_say(block):
+    _, make = regenerate.BLOCKS[block]
+    assert regenerate.shown(block) == make().strip()
+
+
+def test_the_page_about_the_source_is_that_of_the_reference_runs(tmp_path):
+    files = [regenerate.file_of(name) for name in regenerate.REFERENCE]
+    regenerate.tetrabench("report", *files, "--thesis", "-o", str(tmp_path / "source.md"))
+    assert (tmp_path / "source.md").read_text() == (ROOT / "results" / "source.md").read_text()
 
 
 def test_an_unknown_run_is_refused(monkeypatch, capsys):
@@ -42,7 +49,10 @@ def test_the_peers_are_those_of_the_committed_run():
         assert f"| {row['operation']} | {row['numbering']} | {row['peer']} | {times} | {interval} |" in page
 
 
-@pytest.mark.parametrize("page", [ROOT / "README.md", ROOT / "results" / "README.md"])
+PAGES = [ROOT / "README.md", *(ROOT / "results").glob("*.md"), *(ROOT / "docs").glob("*.md")]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: f"{page.parent.name}/{page.name}")
 def test_pictures_and_files_are_there(page):
     for target in re.findall(r"\]\(([^)#:]*)\)", page.read_text()):
         assert (page.parent / target).exists(), target

@@ -6,6 +6,7 @@ figure. Every bar carries its figure anyway, as a table would spell it; where no
 """
 
 import dataclasses
+import hashlib
 import io
 import re
 import textwrap
@@ -99,7 +100,20 @@ def as_svg(figure: Figure, title: str) -> str:
     element = page.getvalue()[page.getvalue().index("<svg ") :]
     element = re.sub(r' d="[^"]*"', lambda path: " ".join(re.sub(r"(\.\d)\d+", r"\1", path[0]).split("\n")), element)
     element = re.sub(r' (width|height)="[\d.]+pt"', "", element, count=2)  # as wide as its place on the page
+    element = _once(
+        re.sub(r' id="(?:figure|axes|patch|text|line2d|matplotlib|xtick|ytick|legend|whisker|break)[^"]*"', "", element)
+    )
     return element.replace("<svg ", f'<svg role="img" aria-label="{escape(title)}" ', 1)
+
+
+def _once(element: str) -> str:
+    """The same with each long path spelled once: a hatch of dots is one, for each contestant that has it."""
+    for place, path in enumerate(dict.fromkeys(re.findall(r'd="([^"]{2000,})"', element))):
+        if element.count(path) > 1:
+            name = f"path-{hashlib.sha256(path.encode()).hexdigest()[:8]}-{place}"
+            element = element.replace(f'<path d="{path}"', f'<use href="#{name}"')
+            element = element.replace("<defs>", f'<defs><path id="{name}" d="{path}"/>', 1)
+    return element
 
 
 def _styles(comparison: Comparison, results: Results) -> dict[str, Style]:

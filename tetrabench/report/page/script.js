@@ -1,7 +1,13 @@
 // Makes the charts of a page live: they are redrawn from their specifications as the controls say, and the tables follow.
 "use strict";
 (async () => {
-  const figures = JSON.parse(document.getElementById("figures").textContent);
+  /** Text that the page holds packed: the numbers, and what draws them. It says all it has to say without them too. */
+  async function unpacked(name) {
+    const packed = Uint8Array.from(atob(document.getElementById(name).textContent), (sign) => sign.charCodeAt(0));
+    return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
+  }
+
+  const figures = JSON.parse(await unpacked("figures"));
   const form = document.getElementById("controls");
   const charts = [...document.querySelectorAll(".chart")];
   const dark = matchMedia("(prefers-color-scheme: dark)");
@@ -117,14 +123,6 @@
     }
   }
 
-  /** Unpack what draws; the page says all it has to say without it too. */
-  async function unpack() {
-    const packed = Uint8Array.from(atob(document.getElementById("library").textContent), (sign) => sign.charCodeAt(0));
-    const script = document.createElement("script");
-    script.textContent = await new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
-    document.head.append(script);
-  }
-
   /** Draw what nobody has scrolled to as well, when there is time: on paper all charts and tables must say the same. */
   let rest = 0;
   async function drawRest() {
@@ -138,7 +136,9 @@
     }
   }
 
-  await unpack();
+  const library = document.createElement("script");
+  library.textContent = await unpacked("library");
+  document.head.append(library);
   form.hidden = false;
   if (matchMedia("(max-width: 40rem)").matches) form.querySelector("details").open = false;
   form.addEventListener("submit", (event) => event.preventDefault());
