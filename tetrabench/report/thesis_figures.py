@@ -100,17 +100,17 @@ def as_svg(figure: Figure, title: str) -> str:
     element = page.getvalue()[page.getvalue().index("<svg ") :]
     element = re.sub(r' d="[^"]*"', lambda path: " ".join(re.sub(r"(\.\d)\d+", r"\1", path[0]).split("\n")), element)
     element = re.sub(r' (width|height)="[\d.]+pt"', "", element, count=2)  # as wide as its place on the page
-    element = _once(
-        re.sub(r' id="(?:figure|axes|patch|text|line2d|matplotlib|xtick|ytick|legend|whisker|break)[^"]*"', "", element)
-    )
+    element = _once(element, title)
+    named = set(re.findall(r'(?:url\(#|href="#)([^)"]+)', element))  # a page may hold several figures: no other names
+    element = re.sub(r' id="([^"]*)"', lambda name: name[0] if name[1] in named else "", element)
     return element.replace("<svg ", f'<svg role="img" aria-label="{escape(title)}" ', 1)
 
 
-def _once(element: str) -> str:
+def _once(element: str, title: str) -> str:
     """The same with each long path spelled once: a hatch of dots is one, for each contestant that has it."""
-    for place, path in enumerate(dict.fromkeys(re.findall(r'd="([^"]{2000,})"', element))):
+    for path in dict.fromkeys(re.findall(r'd="([^"]{2000,})"', element)):
         if element.count(path) > 1:
-            name = f"path-{hashlib.sha256(path.encode()).hexdigest()[:8]}-{place}"
+            name = f"path{hashlib.sha256((title + path).encode()).hexdigest()[:12]}"
             element = element.replace(f'<path d="{path}"', f'<use href="#{name}"')
             element = element.replace("<defs>", f'<defs><path id="{name}" d="{path}"/>', 1)
     return element
