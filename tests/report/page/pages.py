@@ -6,7 +6,8 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from tests.report.made import make_backend, make_results, make_sweep
+from tests.report.made import change, make_backend, make_results, make_sweep
+from tests.report.test_thesis import run_of
 from tetrabench.bench import Results
 
 TASKS = {
@@ -51,6 +52,32 @@ def hostile() -> list[tuple[str, Results]]:
     memory = [msgspec.structs.replace(one, structure={EVIL: (10**8, 10**8), **one.structure}) for one in made.memory]
     changes = {"backends": backends, "samples": samples, "memory": memory, "command": HOSTILE, "titles": [EVIL]}
     return [(EVIL, msgspec.structs.replace(made, **changes))]
+
+
+def thesis() -> list[tuple[str, Results]]:
+    """A run of the source's own times, which can stand beside the source."""
+    return [("nozzle", run_of())]
+
+
+def broken() -> list[tuple[str, Results]]:
+    """A run in which the reference crashed in one task, another has a sample alone, and buffers are of no size."""
+    made = make_results(TASKS, launches=8, rounds=2)
+    made = change(made, "init", "v3y", status="crash", cpu_s=None, wall_s=None, process_cpu_s=None, reason="signal 11")
+    samples = [one for one in made.samples if one.task != "alfa"]
+    samples.append(next(one for one in made.samples if (one.task, one.backend) == ("alfa", "v4")))
+    none = {"tetras": (0, 0), "points": (0, 16)}
+    memory = [msgspec.structs.replace(one, structure=none, retained_bytes=0, peak_bytes=0) for one in made.memory]
+    backends = [msgspec.structs.replace(one, structure=none) for one in made.backends]
+    changes = {"samples": samples, "memory": memory, "backends": backends, "ended": "budget"}
+    return [("broken", msgspec.structs.replace(made, **changes))]
+
+
+def one() -> list[tuple[str, Results]]:
+    """A run of a single backend: there is nobody to compare with, and no control."""
+    made = make_results({task: {"v3y": times["v3y"]} for task, times in TASKS.items()}, launches=8, rounds=2)
+    alone = [sample for sample in made.samples if sample.backend == "v3y"]
+    backends = [backend for backend in made.backends if not backend.control]
+    return [("one", msgspec.structs.replace(made, samples=alone, backends=backends))]
 
 
 def browser_path() -> Path:

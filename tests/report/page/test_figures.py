@@ -151,6 +151,18 @@ def test_a_larger_and_faster_one_is_on_the_front_too():
     assert {(one["backend"], one["front"]) for one in drawn} == {("v3y", True), ("v4", True)}
 
 
+def test_memory_of_nothing_can_be_compared():
+    """The process of a tiny model may not grow at all."""
+    results = make_results({"alfa": {"v3": 1.0, "v3y": 1.0, "v4": 2.0}})
+    memory = [
+        msgspec.structs.replace(one, retained_bytes=0, peak_bytes=0 if one.backend != "v3" else 4096)
+        for one in results.memory
+    ]
+    kind, drawn = figures.trade(subjects_of([("run", msgspec.structs.replace(results, memory=memory))])[0])
+    assert kind == "peak"
+    assert {one["backend"]: one["front"] for one in drawn} == {"v3": False, "v3y": True, "v4": False}
+
+
 def test_what_cannot_be_told_apart_is_all_on_the_front():
     once = make_results({"alfa": {"v3": 1.2, "v3y": 1.0, "v5y": 5.0}}, launches=1, rounds=1)
     _, drawn = figures.trade(subjects_of([("run", once)])[0])

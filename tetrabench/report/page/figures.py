@@ -162,7 +162,7 @@ def trade(subject: Subject) -> tuple[str, list[Datum]]:
             "bytes": sizes[row.backend],
             "seconds": row.seconds,
             "front": not any(
-                _beats(sizes[rival] / sizes[row.backend], beside.get((row.task, row.backend, rival), ""))
+                _beats(sizes[rival], sizes[row.backend], beside.get((row.task, row.backend, rival), ""))
                 for rival in sizes
             ),
             "text": duration(row.seconds or 0.0),
@@ -171,11 +171,11 @@ def trade(subject: Subject) -> tuple[str, list[Datum]]:
     ]
 
 
-def _beats(size: float, verdict: str) -> bool:
-    """Whether a rival with so many times the memory, beside which one is "slower" or "same", is better."""
-    if size < 1 / (1 + MEMORY_ERROR):
+def _beats(rival: float, mine: float, verdict: str) -> bool:
+    """Whether a rival of so many bytes, beside which one of `mine` is "slower" or "same", is better."""
+    if rival * (1 + MEMORY_ERROR) < mine:
         return verdict in ("slower", "same")
-    return size < 1 + MEMORY_ERROR and verdict == "slower"
+    return rival <= mine * (1 + MEMORY_ERROR) and verdict == "slower"  # both are 0 where the model is tiny
 
 
 def _sizes(subject: Subject, kind: str) -> dict[str, float]:
