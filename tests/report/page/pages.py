@@ -72,12 +72,12 @@ def broken() -> list[tuple[str, Results]]:
     return [("broken", msgspec.structs.replace(made, **changes))]
 
 
-def one() -> list[tuple[str, Results]]:
+def single() -> list[tuple[str, Results]]:
     """A run of a single backend: there is nobody to compare with, and no control."""
     made = make_results({task: {"v3y": times["v3y"]} for task, times in TASKS.items()}, launches=8, rounds=2)
     alone = [sample for sample in made.samples if sample.backend == "v3y"]
     backends = [backend for backend in made.backends if not backend.control]
-    return [("one", msgspec.structs.replace(made, samples=alone, backends=backends))]
+    return [("single", msgspec.structs.replace(made, samples=alone, backends=backends))]
 
 
 def browser_path() -> Path:

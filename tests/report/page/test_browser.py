@@ -7,11 +7,12 @@ from typing import Any
 
 import pytest
 
-from tests.report.page.pages import EVIL, HOSTILE, browser_path, hostile, sweep, two_runs
+from tests.report.page.pages import EVIL, HOSTILE, broken, browser_path, hostile, single, sweep, thesis, two_runs
 from tetrabench.bench.statistics import summary_against
 from tetrabench.report.cells import interval_of
 from tetrabench.report.page import make_page
 from tetrabench.report.page.subjects import ABSOLUTE
+from tetrabench.report.thesis_page import make_section
 
 playwright = pytest.importorskip("playwright.sync_api")
 pytest.importorskip("vl_convert")
@@ -19,7 +20,7 @@ pytest.importorskip("vl_convert")
 pytestmark = pytest.mark.xdist_group("browser")  # one browser for all
 
 SIZES = {"desk": (1280, 900), "phone": (390, 844)}
-MADE = {"two": two_runs, "sweep": sweep, "hostile": hostile}
+MADE = {"two": two_runs, "sweep": sweep, "hostile": hostile, "thesis": thesis, "broken": broken, "single": single}
 QUIET = [
     "--no-sandbox",
     "--disable-gpu",
@@ -35,7 +36,9 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("pages")
     paths = {name: folder / f"{name}.html" for name in MADE}
     for name, make in MADE.items():
-        paths[name].write_text(make_page(make()))
+        runs = make()
+        extra = [make_section([results for _, results in runs])] if name == "thesis" else []
+        paths[name].write_text(make_page(runs, extra=extra))
     return paths
 
 
@@ -123,11 +126,46 @@ def test_every_chart_is_drawn_without_a_word_and_without_the_network(visit, file
     assert here.asked == [files[name].as_uri()]
     charts = here.page.locator("figure:not([hidden]) .chart")
     assert charts.count() == files[name].read_text().count('class="chart"')
+    drawn = ".role-mark path, .role-mark line, .role-mark rect"
+    drawn += ", .role-mark text" if name == "broken" else ""  # a word where no figure may stand
     for place in range(charts.count()):
-        marks = charts.nth(place).locator(".role-mark path, .role-mark line, .role-mark rect")
-        assert marks.count() > 0, charts.nth(place).get_attribute("data-figure")
+        assert charts.nth(place).locator(drawn).count() > 0, charts.nth(place).get_attribute("data-figure")
         assert charts.nth(place).locator("canvas").count() == 0
     assert here.page.evaluate("document.documentElement.scrollWidth") <= SIZES[size][0]  # nothing sticks out
+
+
+def test_a_word_stands_where_no_figure_may(visit):
+    here = visit("broken")
+    assert here.chart("times-init").locator(".mark-symbol path").count() == 0
+    assert sorted(word for word in here.words("times-init") if word in ("crashed", "no ref.")) == [
+        "crashed",
+        *["no ref."] * 3,
+    ]
+    assert here.words("times-alfa").count("no ref.") == 1
+    here.do("times-init", lambda page: page.select_option("select[name=base]", "v4"))
+    assert here.words("times-init").count("crashed") == 1
+    assert here.chart("times-init").locator(".mark-symbol path").count() == 3  # those who did not
+    assert here.said == []
+
+
+def test_who_is_alone_is_compared_with_itself(visit):
+    here = visit("single")
+    assert here.chart("times-alfa").locator(".mark-symbol path").count() == 1
+    assert here.page.locator('figure:has([data-figure="times-alfa"]) td.verdict').all_text_contents() == ["reference"]
+    v3y = here.page.locator('input[name=backends][value="v3y"]')
+    v3y.uncheck()
+    assert here.page.locator("figure:visible").count() == 0  # there is nothing to show
+    v3y.check()
+    assert here.page.locator("figure:visible").count() > 0
+    assert here.said == []
+
+
+def test_a_section_beside_the_source_is_in_the_page(visit):
+    here = visit("thesis")
+    section = here.page.locator("#extra-0")
+    assert "(2011) and today" in section.locator("h2").inner_text()
+    assert section.locator("svg[role=img]").bounding_box()["width"] > 300
+    assert section.locator("table").count() == 4
 
 
 def test_names_of_others_do_nothing(visit):
@@ -261,7 +299,7 @@ def test_ink_is_light_in_the_dark(visit):
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize(("name", "size"), [("two", "desk"), ("two", "phone"), ("sweep", "desk")])
+@pytest.mark.parametrize(("name", "size"), [("two", "desk"), ("two", "phone"), ("sweep", "desk"), ("thesis", "desk")])
 def test_no_barrier_by_axe(visit, name, size, scheme):
     axe = pytest.importorskip("axe_playwright_python.sync_playwright")
     here = visit(name, size=size, color_scheme=scheme)

@@ -162,6 +162,35 @@ def test_wrong_answers_are_called_wrong_at_the_top():
     assert "v4 in alfa on nozzle: wrong" in " ".join(top.split())
 
 
+def measured(runs) -> list[str]:
+    """The lines of "What was measured", as they are read."""
+    part = re.search(r'<section id="measured">(.*?)<details>', make_page(runs), re.DOTALL)[1]
+    return [" ".join(html.unescape(re.sub("<[^>]+>", "", line)).split()) for line in re.findall(r"<li.*?</li>", part)]
+
+
+def test_what_was_measured_is_what_the_run_says():
+    """Sizes, digests, the counts of each task, how often, and whether that is all."""
+    results = make_results(TASKS, launches=7, rounds=2, profile="rigorous")
+    options = {"init": {}, "alfa": {"sweeps": 200}, "free": {"deletions": 20_000, "per_launch": 3}}
+    results.tasks[:] = [msgspec.structs.replace(one, options=options[one.name]) for one in results.tasks]
+    lines = [
+        f"nozzle: 642,720 tetras, 112,339 points, digest {642_720:016x}",
+        "init, alfa (200 sweeps), free (20,000 deletions, 3 per launch)",
+        "7 launches of 2 rounds at most; profile rigorous",
+    ]
+    assert measured([("run", results)]) == lines
+    for ended in ("budget", "interrupted"):
+        told = f"Ended early ({ended}): samples are missing."
+        assert measured([("run", msgspec.structs.replace(results, ended=ended))]) == [*lines, told]
+
+
+def test_a_section_of_answers_has_each_digest(text):
+    digests = {one.digest for _, results in two_runs() for one in results.samples if one.status == "ok"}
+    assert len(digests) == len(TASKS)
+    shown = text.partition('<section id="answers">')[2]
+    assert {digest for digest in digests if shown.count(f"<td>{digest}</td>") == 2} == digests  # a line on each model
+
+
 def test_what_to_use_comes_first_where_the_run_has_what_the_work_needs(text):
     assert 'id="advice"' not in text
     tasks = ("init", "alfa", "flow", "delete", "explode", "locate", "select")
