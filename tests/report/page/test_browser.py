@@ -150,6 +150,8 @@ def test_a_word_stands_where_no_figure_may(visit):
 
 def test_who_is_alone_is_compared_with_itself(visit):
     here = visit("single")
+    assert "1 backend, 1 model." in here.page.locator("header").inner_text()
+    assert "One way to store the same thing" in here.page.locator("#measured").inner_text()
     assert here.chart("times-alfa").locator(".mark-symbol path").count() == 1
     assert here.page.locator('figure:has([data-figure="times-alfa"]) td.verdict').all_text_contents() == ["reference"]
     v3y = here.page.locator('input[name=backends][value="v3y"]')

@@ -349,6 +349,17 @@ def test_samples_are_drawn_where_they_are_and_noise_from_quiet_to_loud():
     assert abs(noise["y"] - noise["y2"]) > 5
 
 
+def test_noise_of_several_references_is_all_that_any_of_their_copies_showed(one):
+    """As in a run of the gate, where each has a reference of its own; one without a copy says nothing of noise."""
+    spans = [{"quiet": 0.9, "loud": 1.05}, {"quiet": 0.97, "loud": 1.2}, {"quiet": None, "loud": None}]
+    rows = [{**row, **spans[place % 3]} for place, row in enumerate(one["samples"].rows)]
+    chart = Drawn(rows, {**one["samples"].spec, "data": {"name": "rows", "values": rows}})
+    (noise,) = chart.marks(0)
+    ratios = sorted((row["ratio"] for row in rows), reverse=True)
+    place = logarithmic(dict(zip(ratios, sorted(dot["y"] for dot in chart.marks(1)), strict=True)))
+    assert sorted((noise["y"], noise["y2"])) == pytest.approx([place(1.2), place(0.9)], abs=0.01)
+
+
 def test_lines_of_samples_carry_some_marks_however_many_rounds_there_are():
     chart = charts_of([("run", make_results({"alfa": {"v3y": 1.0, "v4": 2.0}}, launches=10, rounds=8))])["samples"]
     assert len(chart.marks(1)) == 2 * 80
