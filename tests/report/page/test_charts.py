@@ -143,7 +143,7 @@ LAYERS: dict[str, list[dict[str, Any]]] = {
         },
     ],
     "trade": [
-        {"x": "bytes", "y": "seconds", "detail": "model", "order": "bytes", "filters": ["datum.front"]},
+        {"x": "bytes", "y": "seconds", "detail": "model", "order": "bytes", "filters": ["datum.least"]},
         {
             "x": "bytes",
             "y": "seconds",

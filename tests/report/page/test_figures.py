@@ -145,6 +145,14 @@ def test_the_front_is_what_nobody_is_shown_to_beat():
     assert {one["backend"] for one in drawn if one["front"] and one["task"] == "alfa"} == {"v3y"}
 
 
+def test_the_line_is_the_front_of_the_medians():
+    """Whatever the intervals say: 1.2 s is off it where 1.0 s is as large, though one launch shows no difference."""
+    once = make_results({"alfa": {"v3": 1.2, "v3y": 1.0, "v4": 0.5, "v5y": 5.0}}, launches=1, rounds=1)
+    _, drawn = figures.trade(subjects_of([("run", once)])[0])
+    assert {one["backend"] for one in drawn if one["least"]} == {"v3y", "v4"}
+    assert {one["backend"] for one in drawn if one["front"]} == {"v3", "v3y", "v4"}
+
+
 def test_a_larger_and_faster_one_is_on_the_front_too():
     results = slow(make_results({"alfa": {"v3y": 1.0, "v4": 1.0}}), "alfa", "v4", 0.5)
     _, drawn = figures.trade(subjects_of([("run", results)])[0])

@@ -233,7 +233,7 @@ class Charts:
             "height": 150,
             "layer": [
                 {
-                    "transform": [{"filter": "datum.front"}],
+                    "transform": [{"filter": "datum.least"}],
                     "mark": {"type": "line", "interpolate": "step-after", "color": QUIET, "strokeWidth": 1.5},
                     "encoding": {"x": x, "y": y, "detail": {"field": "model"}, "order": {"field": "bytes"}},
                 },

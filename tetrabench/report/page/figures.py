@@ -143,7 +143,8 @@ def _multiples(samples: Sequence[Sample], reference: Sequence[Sample], clock: st
 def trade(subject: Subject) -> tuple[str, list[Datum]]:
     """Time against memory on a model: the kind of memory, and each backend in each task.
 
-    `front`: no other is shown to be better in one of both and not worse in the other.
+    `front`: no other is shown to be better in one of both and not worse in the other; `least`: none is so by the medians,
+    whatever their intervals say: the line that a chart draws.
     """
     kind = next((one for one in ("peak", "retained", "structure") if _sizes(subject, one)), "")
     sizes = _sizes(subject, kind)
@@ -165,6 +166,11 @@ def trade(subject: Subject) -> tuple[str, list[Datum]]:
                 _beats(sizes[rival], sizes[row.backend], beside.get((row.task, row.backend, rival), ""))
                 for rival in sizes
             ),
+            "least": not any(
+                _beats(sizes[other.backend], sizes[row.backend], _by_medians(row, other))
+                for other in cells
+                if other.task == row.task
+            ),
             "text": duration(row.seconds or 0.0),
         }
         for row in cells
@@ -176,6 +182,12 @@ def _beats(rival: float, mine: float, verdict: str) -> bool:
     if rival * (1 + MEMORY_ERROR) < mine:
         return verdict in ("slower", "same")
     return rival <= mine * (1 + MEMORY_ERROR) and verdict == "slower"  # both are 0 where the model is tiny
+
+
+def _by_medians(row: Row, other: Row) -> str:
+    """What one is beside another where intervals do not count."""
+    mine, theirs = row.seconds or 0.0, other.seconds or 0.0
+    return "slower" if mine > theirs else "faster" if mine < theirs else "same"
 
 
 def _sizes(subject: Subject, kind: str) -> dict[str, float]:

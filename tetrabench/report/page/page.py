@@ -154,7 +154,9 @@ def _sections(subjects: Sequence[Subject], bases: Sequence[str], charts: Charts)
     for subject in subjects:
         kind, rows = figures.trade(subject)
         if rows:
-            words = "Time of one run against memory, a panel for each scenario; filled marks are the Pareto front"
+            words = (
+                "Time of one run against memory, a panel for each scenario; filled marks: none is shown to be better"
+            )
             table = tables.trade_table(rows, subject.label, kind, item)
             spec = charts.trade(rows, kind, item)
             found.append(Figure(f"trade-{subject.label}", "trade", subject.label, words, spec, table))
@@ -198,7 +200,8 @@ TIMES = (
     "band all are the same."
 )
 TRADE = (
-    "Down and left is better. Filled: no other backend is shown to be better in one of both and not worse in the other."
+    "Down and left is better. The line is the Pareto front of the medians. Filled: no other backend is shown to be better in "
+    "one of both and not worse in the other."
 )
 MEMORY = (
     "Used bytes of each buffer of the fresh structure, exact; in the table beneath, what a process of its own holds."
