@@ -286,6 +286,20 @@ def test_on_paper_there_are_charts_and_no_controls(visit):
     assert box.evaluate("one => one.scrollHeight <= one.clientHeight + 1")  # a table is not cut
 
 
+def test_on_paper_all_charts_say_what_their_tables_say_though_nobody_has_seen_them(visit):
+    here = visit("two")
+    here.page.select_option("select[name=base]", "v4")
+    here.page.wait_for_function(
+        "[...document.querySelectorAll('figure:not([hidden]) .chart')].every(chart => chart.dataset.drawn)"
+    )
+    assert here.page.evaluate("scrollY") == 0
+    for task in ("init", "alfa"):
+        figure = here.page.locator(f'figure:has([data-figure="times-{task}"])')
+        told = figure.locator("tr[data-backend=v3y][data-model=nozzle] td.text").text_content()
+        assert told in figure.locator("svg text").all_text_contents()
+        assert figure.locator(".chart").get_attribute("aria-label").endswith("compared with v4.")
+
+
 def test_ink_is_light_in_the_dark(visit):
     def ink(here: Visit) -> tuple[float, float]:
         colours = here.chart("times-alfa").evaluate(
