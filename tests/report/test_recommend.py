@@ -426,6 +426,18 @@ def test_the_nearest_flip_is_told():
     assert (flip.backend, flip.weight) == ("v3", pytest.approx(20.0))  # v4 at 22.2
 
 
+def test_what_is_far_from_the_mix_is_no_flip():
+    """delete flips at 0.41 times; beside a mix with a hundred times as much of it, or where it would be all of the mix."""
+    results = make_results(SECONDS, wobble=0.0)
+    near, far = (asked(results, f"alfa=10,delete={deletes}") for deletes in (40, 42))
+    flips = [next(one for one in found.outlooks if one.task == "delete").flips for found in (near, far)]
+    assert [len(one) for one in flips] == [1, 0]
+    tiny = {"alfa": {"v3y": 1.0, "v3": 9.0}, "delete": {"v3y": 1.0, "v3": 0.9}}  # flips at 80 times: 99 %
+    assert not next(
+        one for one in asked(make_results(tiny, wobble=0.0), "alfa=1").outlooks if one.task == "delete"
+    ).flips
+
+
 def test_no_flip_where_launches_disagree():
     results = make_results({"alfa": {"v3y": 1.0, "v3": 2.0}, "delete": {"v3y": 1.0, "v3": 1.0}}, wobble=0.05)
     found = asked(results, "alfa=1")
@@ -589,9 +601,12 @@ def test_whoever_could_not_be_weighed_is_left_out_of_a_limit():
 
 def test_of_those_that_cannot_be_told_apart_the_smallest_is_named():
     seconds = {"alfa": {"v3y": 1.0, "v3": 1.0, "v4": 9.0}}
-    memory = [make_memory("v3y"), make_memory("v3", peak_bytes=160_000_000), make_memory("v4", peak_bytes=1)]
+    small = {"peak_bytes": 160_000_000, "structure": {"tetras": (140_000_000, 140_000_000)}}
+    memory = [make_memory("v3y"), make_memory("v3", **small), make_memory("v4", peak_bytes=1)]
     said = advice_of(asked(make_results(seconds, memory=memory), "alfa=1"))
     assert "Of these v3 needs least memory, 249 bytes a tetra." in said
+    noisy = [make_memory("v3y"), make_memory("v3", peak_bytes=160_000_000), make_memory("v4", peak_bytes=1)]
+    assert "least memory" not in advice_of(asked(make_results(seconds, memory=noisy), "alfa=1"))  # equal structures
     assert "least memory" not in advice_of(asked(make_results(seconds), "alfa=1"))  # the same
 
 

@@ -90,7 +90,7 @@ def _usual(run: Results, name: str | None) -> tuple[list[Workload], list[str]]:
         try:
             wanted = [find_named("workload", known, name)]
         except InputError as error:
-            raise InputError(f"{str(error).partition('; there are')[0]}; there are: {_spelled(known)}") from None
+            raise InputError(f"{str(error).partition('there are: ')[0]}there are: {_spelled(known)}") from None
     else:
         wanted = list(known.values())
     missing = {one.name: lacking for one in wanted if (lacking := unmeasured(one, run))}

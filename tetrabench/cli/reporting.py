@@ -27,7 +27,8 @@ def report(results: tuple[Path, ...], output: Path, thesis: bool) -> None:
 
     suffixes = (".html", ".htm", ".md") if thesis else (".html", ".htm")
     if output.suffix.lower() not in suffixes:
-        raise InputError(f"{output}: a report is written as FILE{' or FILE'.join(suffixes)}")
+        more = "" if thesis else "; with --thesis also as FILE.md"
+        raise InputError(f"{output}: a report is written as FILE{' or FILE'.join(suffixes)}{more}")
     runs = [(path.stem, read_results(path)) for path in results]
     if output.suffix.lower() == ".md":
         from tetrabench.report.thesis_page import write_markdown
@@ -43,4 +44,9 @@ def report(results: tuple[Path, ...], output: Path, thesis: bool) -> None:
         with patience(f"drawing the charts of {len(runs)} run{'s' * (len(runs) > 1)}") as step:
             page = make_page(runs, extra=extra, step=step)
         write_whole(output, page.encode())
-    say(f"wrote {output}; open it in a browser" if output.suffix.lower() != ".md" else f"wrote {output}")
+    is_page = output.suffix.lower() != ".md"
+    say(
+        f"wrote {output}; open it in a browser"
+        if is_page
+        else f"wrote {output}, its figures in {output.with_suffix('')}"
+    )

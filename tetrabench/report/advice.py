@@ -101,7 +101,10 @@ def _memory(one: Recommendation) -> Iterator[str]:
         return
     known = {name: size for name, size in held.items() if size}
     least = min(known, key=lambda name: known[name])
-    if all(size > (1 + MEMORY_ERROR) * known[least] for name, size in known.items() if name != least):
+    exact = {ranked.backend: ranked.structure_bytes or known[ranked.backend] for ranked in best}  # peaks have noise
+    if all(
+        sizes[name] > (1 + MEMORY_ERROR) * sizes[least] for sizes in (known, exact) for name in known if name != least
+    ):
         yield f"Of these {least} needs least memory, {_per_item(one, known[least])}."
 
 
@@ -296,6 +299,7 @@ def overview_of(given: Sequence[Recommendation], notes: Sequence[str] = ()) -> P
         said = [
             line for one in mine for line in (f"{one.workload}: {one.about}: {mix_words(one.mix)}.", advice_of(one))
         ]
+        said += dict.fromkeys(line for one in mine for line in _spoilt(one))
         sheets.append(Sheet(title=model, head=["workload", "advice", "next"], rows=rows, notes=said))
     return Pages(sheets, list(notes))
 

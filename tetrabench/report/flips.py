@@ -14,7 +14,7 @@ import msgspec
 import numpy as np
 
 from tetrabench.bench.statistics import BEYOND, interval_over
-from tetrabench.report.totals import Seconds, Totals
+from tetrabench.report.totals import MATTERS, Seconds, Totals
 
 NOWHERE = (math.inf, -math.inf)
 """The weights between which nothing is known to hold."""
@@ -53,6 +53,10 @@ class Outlook(msgspec.Struct, frozen=True, kw_only=True):
     weight: float
     flips: list[Flip] = []
     holds: tuple[float, float | None] | None = None
+
+
+FAR = 100.0
+"""Nobody asks what would be with so many times as much of a task, or as little."""
 
 
 class Line(NamedTuple):
@@ -115,7 +119,7 @@ def look(totals: Totals, first: str, others: Iterable[str], tied: Sequence[str],
     return Outlook(
         task=task,
         weight=weight,
-        flips=[flip for flip in flips if flip.backend == _best_at(totals, task, flip.weight, besides=first)],
+        flips=[flip for flip in flips if _matters(totals, first, task, flip)],
         holds=(low, None if high == math.inf else high) if low <= weight <= high else None,
     )
 
@@ -124,6 +128,13 @@ def _line(totals: Totals, first: str, other: str, task: str, end: int = 0) -> Li
     """In the middle, or with `end` 1 as it is at worst for the first."""
     rests = _rest(totals, task, first, end), _rest(totals, task, other, -end)
     return Line(*rests, _once(totals, task, first, end), _once(totals, task, other, -end))
+
+
+def _matters(totals: Totals, first: str, task: str, flip: Flip) -> bool:
+    """Whether nobody else would be better there, and it is not FAR from the mix, or all but a trifle of it."""
+    weight = totals.weights.get(task, 0.0)
+    is_near = weight / FAR <= flip.weight <= weight * FAR if weight else flip.share <= 1 - MATTERS
+    return is_near and flip.backend == _best_at(totals, task, flip.weight, besides=first)
 
 
 def _best_at(totals: Totals, task: str, weight: float, besides: str) -> str:

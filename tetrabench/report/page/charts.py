@@ -18,7 +18,7 @@ WIDTH = 560  # pixels of a chart that is drawn beforehand; script.js takes what 
 PANEL = 170  # of a panel among several
 TOGGLED = {"type": "log", "nice": False, "padding": 14}  # script.js makes it linear when asked to
 _ROW, _SUBROW = 27, 17  # pixels a backend, and a backend on one of several models
-_DECADE = "abs(log(datum.value) / LN10 - round(log(datum.value) / LN10)) < 1e-6"
+_ROUND = "indexof([1, 2, 5], round(datum.value / pow(10, floor(log(datum.value) / LN10 + 1e-9)))) >= 0"
 LINE = 160  # size of a sign in a legend of lines
 MARKS = 8  # along a line, so that it is known without its colour
 QUIET = "#808080"  # of marks that are not of a backend: seen on white and on black
@@ -35,7 +35,7 @@ CONFIG: Spec = {
         "labelLimit": 220,
         "labelOverlap": "greedy",
     },
-    "axisQuantitative": {"gridOpacity": {"condition": {"test": _DECADE, "value": 1}, "value": 0.35}},
+    "axisQuantitative": {"gridOpacity": 0.4},
     "header": {"labelPadding": 2, "labelFontSize": 12, "labelFontWeight": "bold", "title": None, "labelLimit": 300},
     "text": {"fontSize": 12},
     "legend": {
@@ -62,7 +62,7 @@ class Charts:
 
     def times(self, rows: Sequence[Datum]) -> Spec:
         """A line for each backend: a mark for each model, its interval, its figure, or the word that stands for it."""
-        x = {"type": "quantitative", "scale": {**TOGGLED, "padding": 30}, "title": None, "axis": self._times_axis()}
+        x = {"type": "quantitative", "scale": {**TOGGLED, "padding": 30}, "title": None, "axis": self._times_axis(rows)}
         y = {
             "field": "backend",
             "type": "nominal",
@@ -150,7 +150,10 @@ class Charts:
             "type": "quantitative",
             "scale": TOGGLED,
             "title": f"multiple of {reference}'s time",
-            "axis": {"labelExpr": "format(datum.value, ',~r') + 'x'", "tickCount": 5},
+            "axis": {
+                "labelExpr": _thinned("format(datum.value, ',~r') + 'x'", [row["ratio"] for row in rows]),
+                "tickCount": 5,
+            },
         }
         place = {
             "field": "place",
@@ -419,9 +422,11 @@ class Charts:
         apart = {"scale": {"y": "independent"}}
         return self._spec(rows, facet=self._facet("task", tasks), columns=3, spec=panel, resolve=apart)
 
-    def _times_axis(self) -> Spec:
+    def _times_axis(self, rows: Sequence[Datum]) -> Spec:
         ratio, seconds = "format(datum.value, ',~r') + 'x'", "format(datum.value, '~s') + 's'"
-        return {"labelExpr": f"base == '{ABSOLUTE}' ? {seconds} : {ratio}", "tickCount": 6, "labelOverlap": "greedy"}
+        known = [row["value"] for row in rows if row["base"] == self.base and row["value"]]
+        label = f"base == '{ABSOLUTE}' ? {seconds} : {ratio}"
+        return {"labelExpr": _thinned(label, known), "tickCount": 6, "labelOverlap": "greedy"}
 
     def _facet(self, field: str, order: Sequence[str]) -> Spec:
         return {
@@ -454,3 +459,9 @@ class Charts:
 
     def _dash(self) -> Spec:
         return self._of_backends("dash")
+
+
+def _thinned(label: str, values: Sequence[float]) -> str:
+    """A label of a logarithmic axis; where it is long only at 1, 2, 5, 10, ...: else neighbours would push out the 10."""
+    is_long = bool(values) and max(values) > 8 * min(values)
+    return f"{_ROUND} ? ({label}) : ''" if is_long else label

@@ -23,6 +23,7 @@ from tetrabench.report.page.tables import Table
 from tetrabench.report.pages import pages_of
 from tetrabench.report.recommend import recommend_usual, unmeasured
 from tetrabench.report.sheets import Pages
+from tetrabench.report.units import plural
 
 if TYPE_CHECKING:
     from jinja2 import Template
@@ -103,6 +104,7 @@ def make_page(
             if row.verdict in ("wrong", "unstable")
         ],
         looks=looks,
+        plural=plural,
         shapes=shapes,
         paths=PATHS,
         bases=[(base, _base_words(base, subjects)) for base in bases],
@@ -196,8 +198,9 @@ def _draw(sections: Sequence[Section], step: Callable[[int, int], None]) -> list
 
 
 TIMES = (
-    "Left of the line is faster. A bar is the interval, a filled mark is sure, a hollow one ranks nothing; within the grey "
-    "band all are the same."
+    "Left of the line is faster. A filled mark is sure, a hollow one ranks nothing: a hint (about), where launches are too "
+    "few, or inconclusive. A bar is the interval, with too few launches their range; on the reference it is what a second "
+    "copy of it did. Within the grey band all are the same."
 )
 TRADE = (
     "Down and left is better. The line is the Pareto front of the medians. Filled: no other backend is shown to be better in "
