@@ -38,8 +38,24 @@ def table(name: str) -> str:
 
 
 def advice() -> str:
-    """What to use, by the reference runs."""
-    return "\n\n".join(tetrabench("recommend", file_of(name), "--format", "md").strip() for name in REFERENCE)
+    """What to use, by the reference runs: a line for each usual mix of work, a column for each model; then what they are."""
+    from tetrabench.bench import read_results
+    from tetrabench.registry import workloads
+    from tetrabench.report.advice import advice_of, title_of
+    from tetrabench.report.mix import mix_words
+    from tetrabench.report.recommend import recommend_usual
+
+    known = workloads("tetra")
+    given = [one for name in REFERENCE for one in recommend_usual(read_results(Path(file_of(name))), known.values())]
+    models = list(dict.fromkeys(one.model for one in given))
+    cells = {(one.workload, one.model): title_of(one).removeprefix("use ") for one in given}
+    lines = [["use", *models], ["---"] * (1 + len(models))]
+    lines += [[f"for {name}", *(cells[name, model] for model in models)] for name in known]
+    first = {one.workload: one for one in reversed(given)}
+    words = [f"- **{name}**, {one.title}: {mix_words(first[name].mix)}." for name, one in known.items()]
+    costs = [f"- {one.model}, {one.workload}: {advice_of(one)}" for one in given]
+    table = [f"| {' | '.join(line)} |" for line in lines]
+    return "\n".join([*table, "", *words, "", "What it costs to take the next one:", "", *costs])
 
 
 def findings() -> str:

@@ -87,7 +87,7 @@ def view(
         path = registry.family(family).find_model(model, size=tets, numbering=numbering, seed=seed)
     if vtu is not None and vtu.exists() and vtu.samefile(path):
         raise InputError(f"{vtu}: is what is read, and would be lost; write to another file")
-    mesh, held = read_net(path, family)
+    mesh, held, are_initial = read_net(path, family)
     values = {"volume": volumes(mesh)} | held
     name = f"state_{state}" if state.isdecimal() else state
     shown = find_named("state", values, name)
@@ -98,7 +98,8 @@ def view(
         with patience(f"drawing {len(mesh.tets):,} tetras"):
             figure = draw_net(mesh, shown, cut, title=title, label=name.replace("_", " "))
             save_picture(figure, output)
-        say(f"wrote {output}")
+        first = ", in the states that every scenario starts from: it holds none itself"
+        say(f"wrote {output}{first if are_initial and name.startswith('state_') else ''}")
     if vtu is not None:
         from tetrabench.io import write_mesh
 
@@ -107,8 +108,8 @@ def view(
         say(f"wrote {vtu}: {len(mesh.tets):,} tetras with {', '.join(held)}")
 
 
-def read_net(path: Path, family_name: str) -> tuple[TetraMesh, Values]:
-    """The tetras of a file and their values by name, states among them: the file's, or those that scenarios start from."""
+def read_net(path: Path, family_name: str) -> tuple[TetraMesh, Values, bool]:
+    """The tetras of a file and their values by name; whether the states among these are those that scenarios start from."""
     from tetrabench import registry
     from tetrabench.io import read_mesh
     from tetrabench.io.values import read_values
@@ -116,7 +117,7 @@ def read_net(path: Path, family_name: str) -> tuple[TetraMesh, Values]:
     with patience(f"reading {path}"):
         values = read_values(path)
         if "state_0" in values:
-            return read_mesh(path), values
+            return read_mesh(path), values, False
     with patience(f"building the net of {path}"):
         family = registry.family(family_name)
         # Where scenarios start from is known to the stage, and the same for every contestant.
@@ -125,7 +126,7 @@ def read_net(path: Path, family_name: str) -> tuple[TetraMesh, Values]:
         states = {f"state_{place}": numbers for place, numbers in enumerate(net.states.T)}
         mesh = net.to_mesh()
         stage.close()
-    return mesh, values | states
+    return mesh, values | states, True
 
 
 def volumes(mesh: TetraMesh) -> NDArray[np.float64]:
