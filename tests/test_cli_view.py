@@ -36,13 +36,16 @@ def drawn(monkeypatch: pytest.MonkeyPatch) -> list:
     return calls
 
 
+INITIAL = ", in the states that every scenario starts from: it holds none itself"
+
+
 @pytest.mark.parametrize(("suffix", "magic"), [(".png", b"\x89PNG"), (".svg", b"<?xml"), (".PDF", b"%PDF")])
 def test_a_picture_of_a_file(tmp_path: Path, drawn: list, suffix: str, magic: bytes) -> None:
     mesh = generate("box", 48, seed=1)
     write_mesh(mesh, tmp_path / "a$b$.vtk")
     output = tmp_path / f"a${suffix}"
     result = say("view", tmp_path / "a$b$.vtk", "-o", output, "--cut", "z=25%")
-    assert (result.exit_code, result.stdout, result.stderr) == (0, "", f"wrote {output}\n")
+    assert (result.exit_code, result.stdout, result.stderr) == (0, "", f"wrote {output}{INITIAL}\n")
     assert output.read_bytes().startswith(magic)
     ((shown, values, cut, words),) = drawn
     assert (cut, words) == ("z=25%", {"title": "a$b$.vtk: 48 tetras", "label": "state 0"})
@@ -71,6 +74,7 @@ def test_states_of_a_file_are_those_that_are_shown_and_written(tmp_path: Path, d
         assert say("view", tmp_path / "a.vtu", "--state", state, "-o", tmp_path / "a.png").exit_code == 0
         np.testing.assert_array_equal(drawn[-1][1], values[name])
         np.testing.assert_array_equal(drawn[-1][0].tets, mesh.tets)
+    assert INITIAL not in say("view", tmp_path / "a.vtu", "-o", tmp_path / "a.png").stderr
     result = say("view", tmp_path / "a.vtu", "--vtu", tmp_path / "b.vtu")
     assert result.stderr == f"wrote {tmp_path / 'b.vtu'}: 48 tetras with {', '.join(STATES)}, heat\n"
     assert (tmp_path / "b.vtu").read_bytes() == (tmp_path / "a.vtu").read_bytes()
@@ -82,7 +86,7 @@ def test_a_file_for_paraview_holds_what_scenarios_start_from(tmp_path: Path) -> 
     result = say(*words)
     assert (result.exit_code, result.stdout) == (0, "")
     assert result.stderr.splitlines() == [
-        f"wrote {tmp_path / 'a.png'}",
+        f"wrote {tmp_path / 'a.png'}{INITIAL}",
         f"wrote {tmp_path / 'a.vtu'}: 2 tetras with {', '.join(STATES)}",
     ]
     mesh, values = read_mesh(tmp_path / "a.vtu"), read_values(tmp_path / "a.vtu")
