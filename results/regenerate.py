@@ -41,9 +41,9 @@ def advice() -> str:
     """What to use, by the reference runs: a line for each usual mix of work, a column for each model; then what they are."""
     from tetrabench.bench import read_results
     from tetrabench.registry import workloads
-    from tetrabench.report.advice import advice_of, title_of
-    from tetrabench.report.mix import mix_words
-    from tetrabench.report.recommend import recommend_usual
+    from tetrabench.report.advice.mix import mix_words
+    from tetrabench.report.advice.recommend import recommend_usual
+    from tetrabench.report.advice.words import advice_of, title_of
 
     known = workloads("tetra")
     given = [one for name in REFERENCE for one in recommend_usual(read_results(Path(file_of(name))), known.values())]
@@ -62,8 +62,8 @@ def findings() -> str:
     """Which findings of the source still hold."""
     from tetrabench.bench import read_results
     from tetrabench.registry import source
-    from tetrabench.report.thesis import compare_with_source
-    from tetrabench.report.thesis_page import overview_as_markdown
+    from tetrabench.report.thesis.comparison import compare_with_source
+    from tetrabench.report.thesis.page import overview_as_markdown
 
     runs = [read_results(Path(file_of(name))) for name in REFERENCE]
     return overview_as_markdown(compare_with_source(runs, source("tetra")))

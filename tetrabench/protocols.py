@@ -55,7 +55,7 @@ class Workload:
 
     Attributes:
         title: what it stands for, in a line.
-        mix: how often, by scenario: see `report.mix`.
+        mix: how often, by scenario: see `report.advice.mix`.
     """
 
     name: str

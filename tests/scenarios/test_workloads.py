@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from tetrabench import registry
-from tetrabench.report.mix import LEAST, MOST
+from tetrabench.report.advice.mix import LEAST, MOST
 from tetrabench.scenarios.workloads import TETRA
 
 

@@ -9,8 +9,8 @@ import pytest
 from tests.report.made import SECONDS, make_backend
 from tetrabench import registry
 from tetrabench.errors import InputError
-from tetrabench.report.thesis import outcome_of, worst_of
-from tetrabench.report.thesis_facts import Published
+from tetrabench.report.thesis.comparison import outcome_of, worst_of
+from tetrabench.report.thesis.facts import Published
 from tetrabench.sources.tetra import MISSED, SOURCE
 
 TIMES = SOURCE.times

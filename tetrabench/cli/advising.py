@@ -41,7 +41,7 @@ def read_bytes(ctx: click.Context, param: click.Parameter, text: str | None) -> 
 @click.option(
     "--format",
     "form",
-    type=click.Choice(["table", "md", "json"]),  # those of report.advice
+    type=click.Choice(["table", "md", "json"]),  # those of report.advice.words
     default="table",
     show_default=True,
     help="For people, or for programs.",
@@ -53,10 +53,10 @@ def recommend(results: Path, mix: str | None, workload: str | None, memory_limit
     delete.deletions=5000 counts in that. Without --mix and --workload, all usual mixes in short.
     """
     from tetrabench.bench import read_results
-    from tetrabench.report.advice import advice_as
-    from tetrabench.report.mix import read_mix
-    from tetrabench.report.recommend import recommend as recommend_for
-    from tetrabench.report.recommend import recommend_usual
+    from tetrabench.report.advice.mix import read_mix
+    from tetrabench.report.advice.recommend import recommend as recommend_for
+    from tetrabench.report.advice.recommend import recommend_usual
+    from tetrabench.report.advice.words import advice_as
 
     if mix is not None and workload is not None:
         raise click.UsageError("--mix and --workload are two ways to say the same: give one")
@@ -83,7 +83,7 @@ def _usual(run: Results, name: str | None) -> tuple[list[Workload], list[str]]:
         InputError: there is none, or not one whose scenarios are in the run.
     """
     from tetrabench import registry
-    from tetrabench.report.recommend import unmeasured
+    from tetrabench.report.advice.recommend import unmeasured
 
     known = registry.workloads(run.family)
     if name is not None:

@@ -31,13 +31,13 @@ def report(results: tuple[Path, ...], output: Path, thesis: bool) -> None:
         raise InputError(f"{output}: a report is written as FILE{' or FILE'.join(suffixes)}{more}")
     runs = [(path.stem, read_results(path)) for path in results]
     if output.suffix.lower() == ".md":
-        from tetrabench.report.thesis_page import write_markdown
+        from tetrabench.report.thesis.page import write_markdown
 
         write_markdown([run for _, run in runs], output)
     else:
         extra = []
         if thesis:
-            from tetrabench.report.thesis_page import make_section
+            from tetrabench.report.thesis.page import make_section
 
             with patience("drawing the source's figures"):
                 extra.append(make_section([run for _, run in runs]))

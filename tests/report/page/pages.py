@@ -7,7 +7,7 @@ import msgspec
 import pytest
 
 from tests.report.made import change, make_backend, make_results, make_sweep
-from tests.report.test_thesis import run_of
+from tests.report.thesis.test_thesis import run_of
 from tetrabench.bench import Results
 
 TASKS = {

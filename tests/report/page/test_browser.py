@@ -12,7 +12,7 @@ from tetrabench.bench.statistics import summary_against
 from tetrabench.report.cells import interval_of
 from tetrabench.report.page import make_page
 from tetrabench.report.page.subjects import ABSOLUTE
-from tetrabench.report.thesis_page import make_section
+from tetrabench.report.thesis.page import make_section
 
 playwright = pytest.importorskip("playwright.sync_api")
 pytest.importorskip("vl_convert")

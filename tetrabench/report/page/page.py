@@ -14,14 +14,14 @@ import msgspec
 from tetrabench import registry
 from tetrabench.bench.record import Results
 from tetrabench.errors import InputError
-from tetrabench.report.advice import overview_of
+from tetrabench.report.advice.recommend import recommend_usual, unmeasured
+from tetrabench.report.advice.words import overview_of
 from tetrabench.report.page import figures, tables
 from tetrabench.report.page.charts import Charts, Spec
 from tetrabench.report.page.looks import PATHS, looks_of, shapes_of
 from tetrabench.report.page.subjects import ABSOLUTE, OWN, Run, Subject, bases_of, make_runs, make_subjects
 from tetrabench.report.page.tables import Table
 from tetrabench.report.pages import pages_of
-from tetrabench.report.recommend import recommend_usual, unmeasured
 from tetrabench.report.sheets import Pages
 from tetrabench.report.units import plural
 

@@ -5,13 +5,13 @@ from collections.abc import Callable, Iterator, Sequence
 import msgspec
 
 from tetrabench.bench.statistics import BEYOND, CLEAR
-from tetrabench.report.flips import Flip, Outlook
+from tetrabench.report.advice.flips import Flip, Outlook
+from tetrabench.report.advice.mix import amount_words, mix_words
+from tetrabench.report.advice.recommend import Ranked, Recommendation
+from tetrabench.report.advice.totals import MATTERS, Multiple
 from tetrabench.report.memory import MEMORY_ERROR
-from tetrabench.report.mix import amount_words, mix_words
-from tetrabench.report.recommend import Ranked, Recommendation
 from tetrabench.report.sheets import Cell, Pages, Sheet
 from tetrabench.report.table import markdown_of, text_of
-from tetrabench.report.totals import MATTERS, Multiple
 from tetrabench.report.units import digits, duration, percent, plural, span, times, two_digits
 
 _COLOURS = {"slower": "slower", "cannot tell": "inconclusive", "hint": "about"}

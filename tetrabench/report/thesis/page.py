@@ -16,8 +16,8 @@ from tetrabench import registry
 from tetrabench.bench.record import Results, write_whole
 from tetrabench.bench.statistics import ALIKE, CLEAR, SHORTEST_S
 from tetrabench.errors import InputError
-from tetrabench.report.thesis import Comparison, Entry, Held, Judged, Subject, compare_with_source
-from tetrabench.report.thesis_figures import as_svg, draw_figures, name_of, save_figures
+from tetrabench.report.thesis.comparison import Comparison, Entry, Held, Judged, Subject, compare_with_source
+from tetrabench.report.thesis.figures import as_svg, draw_figures, name_of, save_figures
 from tetrabench.report.units import digits, duration, percent, times
 
 CLASSES = {"holds": "holds", "holds no longer": "gone", "cannot tell": "unclear", "not measured": "unmeasured"}
@@ -73,8 +73,8 @@ def as_markdown(comparison: Comparison, figures: Mapping[str, str] | None = None
     """The whole comparison in Markdown.
 
     Args:
-        comparison: see thesis.compare_with_source.
-        figures: the path of each figure, from where the page will lie, by its name in thesis_figures.draw_figures.
+        comparison: see comparison.compare_with_source.
+        figures: the path of each figure, from where the page will lie, by its name in figures.draw_figures.
     """
     known = figures or {}
     return "\n\n".join(_markdown(block, known) for block in _drawn(comparison, known)) + "\n"
@@ -91,8 +91,8 @@ def as_html(comparison: Comparison, figures: Mapping[str, str] | None = None) ->
     An outcome has the class "holds", "gone", "unclear" or "unmeasured", a claim "claim".
 
     Args:
-        comparison: see thesis.compare_with_source.
-        figures: the SVG element of each figure (see thesis_figures.as_svg), by its name; it is taken as it is.
+        comparison: see comparison.compare_with_source.
+        figures: the SVG element of each figure (see figures.as_svg), by its name; it is taken as it is.
     """
     known = figures or {}
     return "\n".join(_html(block, known) for block in _drawn(comparison, known)) + "\n"
@@ -107,7 +107,7 @@ def make_section(runs: Sequence[Results]) -> tuple[str, str]:
     """Runs beside the source of their family, as a section of a page: its title, and a piece of HTML with the figures.
 
     Raises:
-        InputError: as `thesis.compare_with_source`, or the family has no source.
+        InputError: as `comparison.compare_with_source`, or the family has no source.
     """
     comparison, figures = _compared(runs)
     drawn = {name: as_svg(figure, f"{name}: {title_of(comparison)}") for name, figure in figures.items()}

@@ -12,12 +12,12 @@ import msgspec
 from tetrabench.bench.record import Memory, Results
 from tetrabench.errors import InputError
 from tetrabench.protocols import Workload
+from tetrabench.report.advice.flips import Outlook, look
+from tetrabench.report.advice.mix import Amount, make_mix, usual_amount
+from tetrabench.report.advice.totals import MATTERS, Multiple, Totals
 from tetrabench.report.cells import MISSING
-from tetrabench.report.flips import Outlook, look
 from tetrabench.report.memory import memories
-from tetrabench.report.mix import Amount, make_mix, usual_amount
 from tetrabench.report.parts import Part, make_parts
-from tetrabench.report.totals import MATTERS, Multiple, Totals
 from tetrabench.report.units import digits
 
 

@@ -11,9 +11,9 @@ from tests.report.made import SECONDS, change, make_backend, make_memory, make_r
 from tetrabench.bench.record import Task
 from tetrabench.bench.statistics import CLEAR, Interval
 from tetrabench.errors import InputError
-from tetrabench.report.thesis import Comparison, compare_with_source, model_of, outcome_of
-from tetrabench.report.thesis_figures import CUT, as_svg, draw_figures, save_figures
-from tetrabench.report.thesis_page import CLASSES, as_html, as_markdown, make_section, title_of, write_markdown
+from tetrabench.report.thesis.comparison import Comparison, compare_with_source, model_of, outcome_of
+from tetrabench.report.thesis.figures import CUT, as_svg, draw_figures, save_figures
+from tetrabench.report.thesis.page import CLASSES, as_html, as_markdown, make_section, title_of, write_markdown
 from tetrabench.sources import Reading
 from tetrabench.sources.tetra import SOURCE
 

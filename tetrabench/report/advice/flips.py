@@ -14,7 +14,7 @@ import msgspec
 import numpy as np
 
 from tetrabench.bench.statistics import BEYOND, interval_over
-from tetrabench.report.totals import MATTERS, Seconds, Totals
+from tetrabench.report.advice.totals import MATTERS, Seconds, Totals
 
 NOWHERE = (math.inf, -math.inf)
 """The weights between which nothing is known to hold."""

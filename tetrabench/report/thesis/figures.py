@@ -27,7 +27,7 @@ from tetrabench.errors import InputError
 from tetrabench.report.bars import places, width_of, write_word
 from tetrabench.report.cells import MISSING
 from tetrabench.report.style import EDGE, Style, make_styles
-from tetrabench.report.thesis import Comparison, Entry, Subject
+from tetrabench.report.thesis.comparison import Comparison, Entry, Subject
 from tetrabench.report.units import two_digits
 
 CUT = 12.0

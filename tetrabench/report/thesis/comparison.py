@@ -20,7 +20,7 @@ from tetrabench.report.cells import MISSING, interval_of, ratio_of
 from tetrabench.report.memory import memories
 from tetrabench.report.notes import about_end, about_machine, fewer_than_asked
 from tetrabench.report.parts import Part, make_parts
-from tetrabench.report.thesis_facts import NOWHERE, Measured, Published
+from tetrabench.report.thesis.facts import NOWHERE, Measured, Published
 from tetrabench.report.units import digits
 from tetrabench.sources import Finding, Reading, Source
 

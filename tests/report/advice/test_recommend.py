@@ -14,9 +14,9 @@ from tests.report.made import REFERENCE, change, make_backend, make_memory, make
 from tetrabench.bench.record import Backend, Results, Task
 from tetrabench.bench.statistics import BEYOND, CLEAR, SHORTEST_S
 from tetrabench.errors import InputError
-from tetrabench.report.advice import advice_as, advice_of, flip_of, reason_of
-from tetrabench.report.mix import amount_words, make_mix, mix_words, read_mix
-from tetrabench.report.recommend import Ranked, Recommendation, parts_of, recommend
+from tetrabench.report.advice.mix import amount_words, make_mix, mix_words, read_mix
+from tetrabench.report.advice.recommend import Ranked, Recommendation, parts_of, recommend
+from tetrabench.report.advice.words import advice_as, advice_of, flip_of, reason_of
 
 SECONDS = {  # v3 sweeps faster than v3y, and deletes 50 times slower; v4 sweeps twice as slowly
     "alfa": {"v3": 0.8, "v3y": 1.0, "v4": 2.0},

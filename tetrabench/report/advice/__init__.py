@@ -1,0 +1,1 @@
+"""Which contestant for which work: mixes of tasks, their totals, who is first, and where the choice flips."""
