@@ -5,6 +5,7 @@ the source all was one launch, whose figures are taken as they are printed.
 """
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from statistics import median
@@ -31,27 +32,27 @@ NOWHERE = (0.0, math.inf)
 Logs = Mapping[int, float]  # launch -> ln of a ratio
 
 
-class Known:
+class Known(ABC):
     """What follows from the two tables, whoever has them."""
 
     def __init__(self, source: Source) -> None:
         self.source = source
 
+    @abstractmethod
     def logs(self, task: str, one: str, other: str) -> Logs:
         """ln(one / other) by launch; empty where it is not known."""
-        raise NotImplementedError
 
+    @abstractmethod
     def seconds(self, task: str, contestant: str) -> Mapping[int, float]:
         """Seconds of a task with the source's counts, by launch; empty where they are not known."""
-        raise NotImplementedError
 
+    @abstractmethod
     def interval(self, logs: Iterable[float]) -> Interval | None:
         """Of logarithms of ratios over launches."""
-        raise NotImplementedError
 
+    @abstractmethod
     def is_short(self, task: str, contestant: str) -> bool:
         """Whether a time is too short to be known but for its being short."""
-        raise NotImplementedError
 
     def is_doubted(self, task: str) -> bool:
         """Whether no difference in a task can be believed."""
