@@ -1,17 +1,17 @@
 """The verb recommend: what a person asks and reads, exit codes, and no traceback."""
 
 import json
+from functools import partial
 
 import click
 import msgspec
 import pytest
-from click.testing import CliRunner, Result
 
+import tests.test_cli
 from tests.report.made import make_results
 from tetrabench import registry
 from tetrabench.bench import save_results
 from tetrabench.bench.record import Task
-from tetrabench.cli import main
 from tetrabench.cli.advising import read_bytes
 from tetrabench.protocols import Workload
 
@@ -23,18 +23,8 @@ COUNTS = {
 }
 
 
-def say(*words: object) -> Result:
-    """What the command line answers."""
-    return CliRunner().invoke(main, ["recommend", *map(str, words)])
-
-
-def refusal(*words: object) -> str:
-    """The one line with which something ends that does not work."""
-    result = say(*words)
-    assert (result.exit_code, result.stdout) == (2, "")
-    assert result.stderr.startswith("tetrabench: ")
-    assert result.stderr.count("\n") == 1
-    return result.stderr
+say = partial(tests.test_cli.say, "recommend")
+refusal = partial(tests.test_cli.refusal, "recommend")
 
 
 @pytest.fixture

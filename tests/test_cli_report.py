@@ -4,28 +4,13 @@ import builtins
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
 
 from tests.report.made import make_results
 from tests.report.page.pages import TASKS, two_runs
+from tests.test_cli import refusal, say
 from tetrabench.bench import save_results
-from tetrabench.cli import main
 
 ROOT = Path(__file__).parents[1]
-
-
-def say(*words: object) -> Result:
-    """What the command line answers."""
-    return CliRunner().invoke(main, [str(word) for word in words])
-
-
-def refusal(*words: object) -> str:
-    """The one line with which something ends that does not work."""
-    result = say(*words)
-    assert (result.exit_code, result.stdout) == (2, "")
-    assert result.stderr.startswith("tetrabench: ")
-    assert result.stderr.count("\n") == 1
-    return result.stderr
 
 
 @pytest.fixture

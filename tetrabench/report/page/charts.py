@@ -63,13 +63,7 @@ class Charts:
     def times(self, rows: Sequence[Datum]) -> Spec:
         """A line for each backend: a mark for each model, its interval, its figure, or the word that stands for it."""
         x = {"type": "quantitative", "scale": {**TOGGLED, "padding": 30}, "title": None, "axis": self._times_axis(rows)}
-        y = {
-            "field": "backend",
-            "type": "nominal",
-            "sort": self.backends,
-            "title": None,
-            "axis": {"grid": False, "ticks": False, "domain": False, "labelFontWeight": "bold", "labelPadding": 8},
-        }
+        y = self._names(ticks=False, domain=False, labelFontWeight="bold", labelPadding=8)
         offset = {"field": "model", "type": "nominal", "sort": self.models, "scale": {"paddingInner": 0.2}}
         place = {"y": y, **({"yOffset": offset} if len(self.models) > 1 else {})}
         compared = {"filter": f"base != '{ABSOLUTE}'"}
@@ -316,13 +310,7 @@ class Charts:
             "height": {"step": 26},
             "transform": [stacked],
             "encoding": {
-                "y": {
-                    "field": "backend",
-                    "type": "nominal",
-                    "sort": self.backends,
-                    "title": None,
-                    "axis": {"grid": False},
-                },
+                "y": self._names(),
             },
             "layer": [
                 {
@@ -363,13 +351,7 @@ class Charts:
             "width": PANEL + 60,
             "height": {"step": 22},
             "encoding": {
-                "y": {
-                    "field": "backend",
-                    "type": "nominal",
-                    "sort": self.backends,
-                    "title": None,
-                    "axis": {"grid": False},
-                },
+                "y": self._names(),
             },
             "layer": [
                 {
@@ -427,6 +409,11 @@ class Charts:
         known = [row["value"] for row in rows if row["base"] == self.base and row["value"]]
         label = f"base == '{ABSOLUTE}' ? {seconds} : {ratio}"
         return {"labelExpr": _thinned(label, known), "tickCount": 6, "labelOverlap": "greedy"}
+
+    def _names(self, **axis: Any) -> Spec:
+        """A line for each backend, in the order of all charts."""
+        order = {"sort": self.backends, "title": None, "axis": {"grid": False, **axis}}
+        return {"field": "backend", "type": "nominal", **order}
 
     def _facet(self, field: str, order: Sequence[str]) -> Spec:
         return {
