@@ -33,11 +33,29 @@ def side_neighbours(tets: Tets) -> NDArray[np.int32]:
             three tetras or more: names them, counted from 0.
         MemoryRefusedError: the largest vertex is so large that a counter for each vertex is beyond the memory.
     """
-    neighbours, crowded = _match(tets)
+    pairs = side_pairs(tets)
+    pairs >>= 2  # what has no partner stays -1
+    return pairs.astype(np.int32, copy=False)
+
+
+def side_pairs(tets: Tets) -> NDArray[Any]:
+    """The side behind each side.
+
+    Args:
+        tets: (n, 4) int32, vertices of each tetra, all different and not negative.
+
+    Returns:
+        (n, 4) int32, int64 from 2^29 tetras on: 4 * row + number of the side that is the same as the one opposite vertex i,
+        -1 where there is none.
+
+    Raises:
+        InputError, MemoryRefusedError: as `side_neighbours`.
+    """
+    pairs, crowded = _match(tets)
     if len(crowded):
         one, two, three = _first_sharers(tets, crowded[0])
         raise InputError(f"tetras {one}, {two} and {three} (counted from 0) share one side: no net can hold that")
-    return neighbours
+    return pairs
 
 
 def crowded_tetras(tets: Tets) -> NDArray[np.int64]:
@@ -57,21 +75,21 @@ def crowded_tetras(tets: Tets) -> NDArray[np.int64]:
     return _match(tets)[1]
 
 
-def _match(tets: Tets) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
-    """Neighbours (n, 4), of sides with two tetras, and the rows of crowded tetras (k,)."""
+def _match(tets: Tets) -> tuple[NDArray[Any], NDArray[np.int64]]:
+    """Pairs (n, 4), of sides with two tetras, and the rows of crowded tetras (k,)."""
     tets = as_vertices(tets)
     points = int(tets.max()) + 1 if len(tets) else 0
     if points > 4 * len(tets):  # numbers with gaps, how wide nobody knows
         refuse_if_too_large(f"matching sides of vertices up to {points - 1:,}", 8 * points, "number them without gaps")
     # allocated here, not in a kernel: numpy asks the system for large pages, numba does not
-    neighbours = np.full((len(tets), 4), _NONE, np.int32)
+    pairs = np.full((len(tets), 4), _NONE, np.int32 if len(tets) < 2**29 else np.int64)
     starts, sides = np.zeros(points + 2, np.int64), np.empty(4 * len(tets), SIDE)
     fullest = _distribute(tets, starts, sides)
     if fullest < 0:
         raise InputError(f"tetra {-1 - fullest} (counted from 0) repeats a vertex")
     table, crowded = np.empty(_table_size(fullest), SIDE), np.zeros(len(tets), np.bool_)
-    _match_buckets(starts, sides, table, neighbours, crowded)
-    return neighbours, np.flatnonzero(crowded)
+    _match_buckets(starts, sides, table, pairs, crowded)
+    return pairs, np.flatnonzero(crowded)
 
 
 def _first_sharers(tets: Tets, crowded: int) -> list[int]:
@@ -92,7 +110,7 @@ def _distribute(tets: Any, starts: Any, sides: Any) -> Any:
     """
     fullest = np.int64(0)
     for t in range(len(tets)):
-        a, b, c, d = _ascending(tets, t)
+        a, b, c, d = ascending(tets[t, 0], tets[t, 1], tets[t, 2], tets[t, 3])
         if a >> 2 == b >> 2 or b >> 2 == c >> 2 or c >> 2 == d >> 2:
             return np.int64(-1 - t)
         # the smallest vertex is the smallest of three sides, the second smallest of the fourth
@@ -102,7 +120,7 @@ def _distribute(tets: Any, starts: Any, sides: Any) -> Any:
         fullest = max(fullest, starts[v])
         starts[v] += starts[v - 1]
     for t in range(len(tets)):
-        a, b, c, d = _ascending(tets, t)
+        a, b, c, d = ascending(tets[t, 0], tets[t, 1], tets[t, 2], tets[t, 3])
         bc, bd, cd = b >> 2 << 32 | c >> 2, b >> 2 << 32 | d >> 2, c >> 2 << 32 | d >> 2
         place = starts[(a >> 2) + 1]
         starts[(a >> 2) + 1] = place + 3
@@ -116,10 +134,10 @@ def _distribute(tets: Any, starts: Any, sides: Any) -> Any:
 
 
 @kernel(allocates=False, inline=True)
-def _ascending(tets: Any, t: int) -> tuple[Any, Any, Any, Any]:
+def ascending(a: int, b: int, c: int, d: int) -> tuple[Any, Any, Any, Any]:
     """The vertices of a tetra in ascending order, each as 4 * vertex + its number in the tetra."""
-    a, b = np.int64(tets[t, 0]) << 2, np.int64(tets[t, 1]) << 2 | 1
-    c, d = np.int64(tets[t, 2]) << 2 | 2, np.int64(tets[t, 3]) << 2 | 3
+    a, b = np.int64(a) << 2, np.int64(b) << 2 | 1
+    c, d = np.int64(c) << 2 | 2, np.int64(d) << 2 | 3
     a, b = min(a, b), max(a, b)
     c, d = min(c, d), max(c, d)
     a, c = min(a, c), max(a, c)
@@ -128,7 +146,7 @@ def _ascending(tets: Any, t: int) -> tuple[Any, Any, Any, Any]:
 
 
 @kernel(allocates=False)
-def _match_buckets(starts: Any, sides: Any, table: Any, neighbours: Any, crowded: Any) -> None:
+def _match_buckets(starts: Any, sides: Any, table: Any, pairs: Any, crowded: Any) -> None:
     """Find the sides of each bucket that are the same, by a hash table of the bucket (open addressing).
 
     The table is at most half full and stays in the processor's cache; a bucket of any size takes linear time.
@@ -149,8 +167,8 @@ def _match_buckets(starts: Any, sides: Any, table: Any, neighbours: Any, crowded
             elif other == _MATCHED:
                 crowded[side >> 2] = True
             else:
-                neighbours[side >> 2, side & 3] = other >> 2
-                neighbours[other >> 2, other & 3] = side >> 2
+                pairs[side >> 2, side & 3] = other
+                pairs[other >> 2, other & 3] = side
                 table[place]["side"] = _MATCHED
 
 
