@@ -1,8 +1,10 @@
 """The interface of a tetrahedral net: what a contestant implements, and all that a scenario may call.
 
-Two axes. The **layout** says where the fields of a tetra live; the **slot policy** says how free slots are found, skipped
-and filled. Each is a NamedTuple of arrays, held in the net's fields `layout` and `slots`, with an implementation of the
-functions below (`tetrabench.jit.implements`). All of them work in numba kernels and in plain Python.
+Three axes. The **layout** says where the fields of a tetra live; the **slot policy** says how free slots are found, skipped
+and filled; the **incidence** says which tetras are around a point, and so how a tetra comes into the net and out of it.
+Each is a NamedTuple of arrays, held in the net's fields `layout`, `slots` and `incidence`, with an implementation of the
+functions below (`tetrabench.jit.implements`). All of them work in numba kernels and in plain Python, but for the last
+two, which are plain Python. Most contestants take the lists of `tetrabench.tetra.incidence`, and choose on two axes.
 
 Words: `t` is the ref of a tetra, an int64: an index in array layouts, an address in linked ones; NONE where there is no
 tetra. Side `i` is the face opposite vertex `i`. `k` counts coordinates (0..2) or states (0..4).
@@ -11,6 +13,7 @@ tetra. Side `i` is the face opposite vertex `i`. `k` counts coordinates (0..2) o
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tetrabench.jit import generic, kernel
 
@@ -33,7 +36,7 @@ class Net(NamedTuple):
     layout: Any  # where the fields of a tetra live
     slots: Any  # which slots are free
     points: Any  # tetrabench.tetra.points.Points
-    incidence: Any  # tetrabench.tetra.incidence.Incidence: the tetras around each point
+    incidence: Any  # the tetras around each point
     tree: Any  # tetrabench.tetra.nearest.Tree: nearest point
 
 
@@ -186,6 +189,87 @@ def slot_faults(net: Net) -> int:
     """Self-audit of the bookkeeping: how many of its own rules it breaks, 0 if it is sound."""
 
 
+# ---------------------------------------------------------------------------------------------------- around a point
+
+
+@generic(on="incidence")
+def a_tetra_around(net: Net, point: int) -> int:
+    """Any one of the tetras of a point, NONE where it has none, int64."""
+
+
+@generic(on="incidence")
+def fill_around(net: Net, point: int, buffer: NDArray[np.int64]) -> int:
+    """Store the tetras of a point in `buffer` (any length,) int64, as many as fit, each once, in any order.
+
+    Returns how many there are, whether they fit or not: where more than fit, call again with a buffer of that length.
+    """
+
+
+@generic(on="incidence")
+def insert_tetra(net: Net, a: int, b: int, c: int, d: int) -> int:
+    """Insert the tetra of four points, joined to its neighbours, and return its ref. States are 0. Counts as an edit.
+
+    Raises:
+        ValueError: equal points, an unknown point, a tetra that is there already, a side that two tetras share
+            already, no room, or a stale storage. The net is then as it was. (Where deleted tetras wait for `collect`,
+            one of them may be what is in the way.)
+    """
+
+
+@generic(on="incidence")
+def delete_tetra(net: Net, t: int) -> None:
+    """Delete tetra t: its neighbours lose a neighbour, its points a tetra; the points stay. Counts as an edit.
+
+    A contestant may leave what it can for `collect`. Every question of this interface is answered as if t were gone
+    altogether; but its slot takes room until then, and it may be in the way of an insertion.
+
+    Raises:
+        ValueError: t is not a tetra of the net, or the storage is stale. The net is then as it was.
+    """
+
+
+@generic(on="incidence")
+def enter_point(net: Net, point: int) -> None:
+    """Note what there is to note of a point without tetras that was appended just now. The room was made before."""
+
+
+@generic(on="incidence")
+def grown_incidence(net: Net, points: int, tetras: int) -> Any:
+    """An incidence of the same type with room for at least so many points and tetras in all, never for less than now,
+    with the same content and counters of its own."""
+
+
+@generic(on="incidence")
+def incidence_room(net: Net) -> int:
+    """For how many live tetras in all the incidence has room; what waits for `collect` takes room, too."""
+
+
+@generic(on="incidence")
+def incidence_faults(net: Net, refs: NDArray[np.int64]) -> int:
+    """Self-audit: in how many ways the tetras around points are not those that use them, 0 if all is sound.
+
+    `refs` (n,) int64 are the live tetras, ascending; each has four different vertices that are points. Nothing else may
+    be relied upon: a damaged incidence is never followed out of its arrays, nor in circles.
+    """
+
+
+@generic(on="incidence")
+def split_many(net: Net, refs: NDArray[np.int64]) -> tuple[Net, int]:
+    """Split each tetra of `refs` (n,) int64 into four around its centroid; a tetra whose centroid is a point is skipped.
+
+    Child i is the parent with vertex i replaced by the centroid; children inherit the states. New points come in the
+    order of `refs`. Returns the net to go on with and how many were skipped; nothing is left for `collect`. Plain Python.
+    """
+
+
+@generic(on="incidence")
+def collect(net: Net) -> tuple[Net, bool]:
+    """Finish what deletions have left. Returns the net to go on with, and whether refs may have changed by it.
+
+    Where nothing was waiting: the same net, and False. Else it counts as an edit. Plain Python.
+    """
+
+
 # ---------------------------------------------------------------------------------------------------- for people
 
 
@@ -198,4 +282,15 @@ def tetra_refs(net: Net) -> Any:
         refs[n] = cursor.tetra
         cursor = next_tetra(net, cursor)
         n += 1
+    return refs[:n]
+
+
+@kernel
+def tetras_around(net: Net, point: int) -> Any:
+    """Refs of the tetras around a point, (n,) int64."""
+    refs = np.empty(64, np.int64)  # points of usual nets have some two dozen
+    n = fill_around(net, point, refs)
+    if n > len(refs):
+        refs = np.empty(n, np.int64)
+        fill_around(net, point, refs)
     return refs[:n]
