@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tetrabench.backends.tetra.halfface.compound import WORDS, compound, refuse_beyond
+from tetrabench.backends.tetra.halfface.compound import WORDS, base_mask, compound, refuse_beyond
 from tetrabench.backends.tetra.halfface.permutations import sorted_with_number
 from tetrabench.backends.tetra.halfface.storage import (
     BORDERS,
@@ -71,7 +71,7 @@ def construct(tets: Any, vertices: int | None = None, *, bits: int = 32, manifol
     if manifold:
         _trust(mesh, first)
     elif _find_access(mesh, first, fans, split):
-        mesh = _settle_split(mesh, ascending, split)
+        mesh = _settle_split(mesh, split)
     return mesh
 
 
@@ -99,7 +99,10 @@ def _count_border(pairs: Any) -> tuple[Any, Any]:
 
 @kernel(allocates=False)
 def _link(mesh: HalfFaces, ascending: Any, numbers: Any, pairs: Any, first: Any, fans: Any) -> None:
-    """Connectivity with its permutations, adjacency, border half-faces; a corner of each vertex, and how many it has."""
+    """Connectivity with its permutations, adjacency, border half-faces; a corner of each vertex, and how many it has.
+
+    `ascending` may be a view of the connectivity that is written here.
+    """
     words, border = mesh.connectivity, np.int64(0)
     for t in range(len(pairs)):
         number = np.int64(numbers[t])
@@ -150,10 +153,11 @@ def _trust(mesh: HalfFaces, first: Any) -> None:
                 mesh.v2hf[vertex_at(mesh, t, k)] = border
 
 
-def _settle_split(mesh: HalfFaces, ascending: NDArray[np.int32], split: NDArray[np.bool_]) -> HalfFaces:
+def _settle_split(mesh: HalfFaces, split: NDArray[np.bool_]) -> HalfFaces:
     """The access half-faces of the marked vertices, one for each component of their tetras."""
-    tetras, places = np.nonzero(split[ascending])
-    owners = ascending[tetras, places]
+    vertices = mesh.connectivity.astype(np.int64) & int(base_mask(mesh.connectivity))
+    tetras, places = np.nonzero(split[vertices])
+    owners = vertices[tetras, places]
     order = np.argsort(owners, kind="stable")
     mesh = reserve(mesh, records=len(order))
     _settle(mesh, owners[order], (4 * tetras + places)[order])

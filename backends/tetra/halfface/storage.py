@@ -107,7 +107,9 @@ def reserve(
     }
     wanting = {name: size for name, size in sizes.items() if size > len(getattr(mesh, name))}
     if wanting:
-        mesh = mesh._replace(**{name: grown(getattr(mesh, name), _enough(mesh, name, wanting[name])) for name in wanting})
+        mesh = mesh._replace(
+            **{name: grown(getattr(mesh, name), _enough(mesh, name, wanting[name])) for name in wanting}
+        )
     return _with_fans(mesh, fan)
 
 
@@ -350,3 +352,19 @@ def free_record(mesh: HalfFaces, place: int) -> None:
     mesh.v2nhf[place, 1] = chained(mesh.v2nhf, counters[FREE_RECORD])
     counters[FREE_RECORD] = place
     counters[FREE_RECORDS] += 1
+
+
+def array_sizes(mesh: HalfFaces) -> dict[str, tuple[int, int]]:
+    """Bytes (used, reserved) of each array, by name; what a walk needs is used throughout."""
+    counters = mesh.counters
+    rows = {
+        "connectivity": counters[TETRAS],
+        "adjacency": counters[TETRAS],
+        "bhf2hf": counters[BORDERS],
+        "v2hf": counters[VERTICES],
+        "v2nhf": counters[RECORDS],
+    }
+    return {
+        name: (int(rows.get(name, len(array))) * (array.nbytes // max(len(array), 1)), array.nbytes)
+        for name, array in mesh._asdict().items()
+    }
