@@ -5,8 +5,7 @@ from typing import Any, NamedTuple
 from tetrabench.jit import kernel
 from tetrabench.protocols import Answer, Options, Work
 from tetrabench.scenarios.tetra.base import TetraScenario, at_most_half
-from tetrabench.tetra.edit import delete_tetra
-from tetrabench.tetra.interface import NONE, Net, last_tetra, neighbour
+from tetrabench.tetra.interface import NONE, Net, collect, delete_tetra, last_tetra, neighbour
 from tetrabench.tetra.net import TetraNet
 
 
@@ -30,8 +29,9 @@ class Delete(TetraScenario):
         return Deletion(net, at_most_half(net, options["deletions"]))
 
     def run(self, deletion: Deletion) -> None:
-        """Delete them."""
+        """Delete them, and finish what that has left: whoever puts it off pays for it here."""
         delete_from_end(deletion.net.storage, deletion.wanted)
+        deletion.net.storage, _ = collect(deletion.net.storage)
 
     def answer(self, deletion: Deletion, outcome: None) -> Answer:
         """All that is left."""

@@ -3,8 +3,7 @@
 from typing import Any
 
 from tetrabench.jit import kernel
-from tetrabench.tetra.edit import delete_tetra, insert_tetra
-from tetrabench.tetra.interface import Net, vertex
+from tetrabench.tetra.interface import Net, delete_tetra, insert_tetra, vertex
 
 
 @kernel(allocates=False)

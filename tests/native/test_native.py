@@ -13,8 +13,8 @@ from tetrabench.scenarios.tetra.alfa import average
 from tetrabench.scenarios.tetra.delete import delete_from_end
 from tetrabench.scenarios.tetra.flow import diffuse
 from tetrabench.scenarios.tetra.locate import points_near_sides
-from tetrabench.tetra.edit import delete_tetra, reserve, split_many
-from tetrabench.tetra.interface import tetra_refs
+from tetrabench.tetra.edit import reserve
+from tetrabench.tetra.interface import delete_tetra, split_many, tetra_refs
 from tetrabench.tetra.locate import locate
 from tetrabench.tetra.net import TetraNet
 

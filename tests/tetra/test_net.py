@@ -15,7 +15,7 @@ from tetrabench.backends.tetra import CONTESTANTS as OURS
 from tetrabench.errors import InputError, MemoryRefusedError
 from tetrabench.io import read_mesh
 from tetrabench.jit import kernels
-from tetrabench.tetra import edit
+from tetrabench.tetra import edit, incidence, interface
 from tetrabench.tetra.net import TetraNet
 
 CONTESTANTS = [c.name for c in OURS]
@@ -193,9 +193,9 @@ def test_outgrown_storage_is_dead(build):
     net.insert_point(5.0, 5.0, 5.0)
     assert net.storage is not old
     with pytest.raises(ValueError, match="outgrown"):
-        edit.insert_tetra(old, 0, 1, 2, 3)
+        interface.insert_tetra(old, 0, 1, 2, 3)
     with pytest.raises(ValueError, match="outgrown"):
-        edit.delete_tetra(old, int(net.refs[0]))
+        interface.delete_tetra(old, int(net.refs[0]))
     assert net.check() == []
 
 
@@ -212,7 +212,7 @@ def test_a_net_that_there_is_no_memory_to_grow_stays_what_it_was(build, part, mo
         with pytest.raises(MemoryError):
             net.insert_point(5.0, 5.0, 5.0)
     with monkeypatch.context() as patch:
-        patch.setattr(edit, "make_stack", no_memory)
+        patch.setattr(incidence, "make_stack", no_memory)
         with pytest.raises(MemoryError):
             net.split(net.refs)
     assert net.answer().digest == digest
@@ -224,7 +224,7 @@ def test_a_net_that_there_is_no_memory_to_grow_stays_what_it_was(build, part, mo
 def test_edit_without_room_is_refused(build):
     net = build(mesh_of([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]], [[0, 1, 2, 3]]))
     with pytest.raises(ValueError, match="call reserve first"):
-        edit.insert_tetra(net.storage, 1, 2, 3, 4)
+        interface.insert_tetra(net.storage, 1, 2, 3, 4)
     assert net.check() == []
 
 

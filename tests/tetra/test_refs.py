@@ -10,7 +10,7 @@ from tests.meshes import pair
 from tetrabench.backends.tetra import CONTESTANTS
 from tetrabench.errors import InputError
 from tetrabench.mesh.models import generate
-from tetrabench.tetra import edit
+from tetrabench.tetra import interface
 
 NAMES = [contestant.name for contestant in CONTESTANTS]
 METHODS = ("vertices_of", "neighbours_of", "volume_of", "centroid_of", "side_areas_of", "side_normals_of", "states_of")
@@ -108,11 +108,11 @@ def test_a_kernel_of_others_may_edit_in_between(name: str) -> None:
     with tetrabench.open(generate("box", 100), backend=name) as net:
         first, second, third, *_ = known = net.refs.tolist()
         assert first in net
-        edit.delete_tetra(net.storage, first)
+        interface.delete_tetra(net.storage, first)
         assert first not in net
         corners = net.vertices_of(second)
-        edit.delete_tetra(net.storage, second)
-        edit.delete_tetra(net.storage, third)
+        interface.delete_tetra(net.storage, second)
+        interface.delete_tetra(net.storage, third)
         known.append(net.insert(*corners))  # it may stand where one of the two stood
         assert {ref for ref in known if ref in net} == set(net.refs.tolist())
 

@@ -75,6 +75,7 @@ def implements(function: Function, storage: type) -> Callable[[Function], Functi
             raise TypeError(f"{storage.__name__}: {function.__name__} takes {declared}, not {given}")
         if storage in table:
             raise TypeError(f"{storage.__name__} implements {function.__name__} already")
+        implementation.__signature__ = _bare(implementation)  # type: ignore[attr-defined]
         table[storage] = implementation
         return implementation
 
@@ -87,7 +88,7 @@ def is_implemented(function: Function, storage: type) -> bool:
 
 
 def _bare(function: Function) -> inspect.Signature:
-    """The signature without annotations: numba compares it to that of an implementation, which has none."""
+    """The signature without annotations, which numba would compare, too."""
     parameters = inspect.signature(function).parameters
     return inspect.Signature([inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD) for name in parameters])
 

@@ -6,13 +6,13 @@ import numpy as np
 
 from tetrabench.jit import kernel
 from tetrabench.tetra.geometry import side_geometry, signed_volume
-from tetrabench.tetra.incidence import END, FREE, USED, first_around, next_around, ref_around
 from tetrabench.tetra.interface import (
     NONE,
     STATES,
     Net,
     centroid,
     first_tetra,
+    incidence_faults,
     neighbour,
     next_tetra,
     number_of_tetras,
@@ -20,11 +20,12 @@ from tetrabench.tetra.interface import (
     side_normal,
     slot_faults,
     state,
+    tetras_around,
     vertex,
     volume,
 )
 from tetrabench.tetra.nearest import COUNT as NODES
-from tetrabench.tetra.nearest import DEPTH, ROOT
+from tetrabench.tetra.nearest import DEPTH, NOTHING, ROOT
 from tetrabench.tetra.points import COUNT
 
 CHECKS = {
@@ -81,7 +82,8 @@ def _visit(net: Net, refs: Any) -> int:
 
 
 @kernel
-def _known(refs: Any, t: int) -> Any:
+def is_known(refs: Any, t: int) -> Any:
+    """Whether t is among refs (n,) int64, ascending."""
     place = np.searchsorted(refs, t)
     return place < len(refs) and refs[place] == t
 
@@ -104,7 +106,7 @@ def _check_tetras(net: Net, refs: Any, faults: Any) -> None:
                 faults[2] += int(vertex(net, t, j) == v)
     if faults[2] > 0:
         return
-    _check_incidence(net, refs, faults)
+    faults[6] += incidence_faults(net, refs)
     for t in refs:
         for k in range(STATES):
             faults[5] += int(not np.isfinite(state(net, t, k)))
@@ -113,7 +115,7 @@ def _check_tetras(net: Net, refs: Any, faults: Any) -> None:
             u = neighbour(net, t, i)
             if u == NONE:
                 faults[3] += int(faults[6] == 0 and _somebody_behind(net, t, i))
-            elif u == t or not _known(refs, u):
+            elif u == t or not is_known(refs, u):
                 faults[3] += 1
             else:
                 mutual = 0
@@ -152,58 +154,12 @@ def _same_side(net: Net, t: int, i: int, u: int, j: int) -> bool:
 @kernel
 def _somebody_behind(net: Net, t: int, i: int) -> bool:
     """Whether another tetra has side i of t."""
-    place = first_around(net.incidence, vertex(net, t, (i + 1) & 3))
-    while place != END:
-        u = ref_around(net.incidence, place)
+    for u in tetras_around(net, vertex(net, t, (i + 1) & 3)):
         if u != t:
             for j in range(4):
                 if _same_side(net, t, i, u, j):
                     return True
-        place = next_around(net.incidence, place)
     return False
-
-
-@kernel
-def _check_incidence(net: Net, refs: Any, faults: Any) -> None:
-    """Each entry is in one list; each list holds tetras that use its point; 4 entries a tetra, none twice."""
-    incidence = net.incidence
-    used = incidence.counters[USED]
-    if used < 0 or used > len(incidence.entries):
-        faults[6] += 1
-        return
-    seen = np.zeros(used, np.bool_)
-    entries = 0
-    for point in range(net.points.counters[COUNT]):
-        place = first_around(incidence, point)
-        while place != END:
-            if place < 0 or place >= used or seen[place]:
-                faults[6] += 1
-                return
-            seen[place] = True
-            entries += 1
-            t = ref_around(incidence, place)
-            if not _known(refs, t):
-                faults[6] += 1
-                return
-            uses = 0
-            for i in range(4):
-                uses += int(vertex(net, t, i) == point)
-            faults[6] += int(uses != 1)
-            other = first_around(incidence, point)
-            while other != place:  # the same tetra twice in one list
-                faults[6] += int(ref_around(incidence, other) == t)
-                other = next_around(incidence, other)
-            place = next_around(incidence, place)
-    faults[6] += int(entries != 4 * len(refs))
-    place, free = incidence.counters[FREE], 0
-    while place != END:
-        if place < 0 or place >= used or seen[place]:
-            faults[6] += 1
-            return
-        seen[place] = True
-        free += 1
-        place = next_around(incidence, place)
-    faults[6] += int(entries + free != used)
 
 
 @kernel
@@ -249,7 +205,7 @@ def _check_tree(net: Net, faults: Any) -> None:
         axis = (depth - 1) % 3
         value = node["at"][axis]
         for child, bound in ((node["left"], 3 + axis), (node["right"], axis)):
-            if child != END:
+            if child != NOTHING:
                 if height == count:
                     faults[7] += 1
                     return

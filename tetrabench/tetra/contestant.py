@@ -19,7 +19,8 @@ class TetraContestant:
         layout, slots: the words for the two axes of the table of contestants.
         source: where it was described first.
         extension: whether it is ours rather than the source's; tables mark it.
-        stable_refs: whether the refs of surviving tetras stay the same through every edit.
+        stable_refs: whether the refs of surviving tetras stay the same through every edit; else `collect` and what calls it
+            (see `TetraNet`) may change them all, and with them the order of iteration.
         family: the family that it belongs to.
     """
 

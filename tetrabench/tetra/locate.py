@@ -19,14 +19,15 @@ from numpy.typing import NDArray
 from tetrabench.errors import InputError
 from tetrabench.jit import kernel
 from tetrabench.mesh.hilbert import hilbert_keys
-from tetrabench.tetra.incidence import END, first_around, next_around, ref_around
 from tetrabench.tetra.interface import (
     NONE,
     Net,
+    a_tetra_around,
     first_tetra,
     neighbour,
     next_tetra,
     number_of_tetras,
+    tetras_around,
     vertex,
 )
 from tetrabench.tetra.nearest import make_stack, nearest_point
@@ -163,9 +164,9 @@ def _walk_to_all(net: Net, grid: Grid, queries: Any, order: Any, box: Any, refs:
             t = found if found != NONE else t
         elif found == NONE:
             point, _ = nearest_point(net.tree, x, y, z, stack)
-            place = first_around(net.incidence, point) if point >= 0 else np.int64(END)
-            if place != END:
-                t, found = _walk(net, ref_around(net.incidence, place), x, y, z)
+            beside = a_tetra_around(net, point) if point >= 0 else NONE
+            if beside != NONE:
+                t, found = _walk(net, beside, x, y, z)
             if found == NONE:
                 return n
         refs[q] = found
@@ -306,24 +307,19 @@ def _ask_as_the_source(net: Net, queries: Any, refs: Any) -> None:
             refs[q] = _first_that_holds(net, x, y, z)
 
 
-@kernel(allocates=False)
+@kernel
 def _around(net: Net, point: int, x: float, y: float, z: float) -> Any:
     """The tetra among those around a point, then among their side neighbours."""
-    place = first_around(net.incidence, point)
-    while place != END:
-        t = ref_around(net.incidence, place)
+    around = tetras_around(net, point)
+    for t in around:
         if is_inside(net, t, x, y, z):
             return t
-        place = next_around(net.incidence, place)
-    place = first_around(net.incidence, point)
-    while place != END:
-        t = ref_around(net.incidence, place)
+    for t in around:
         for i in range(4):
             if vertex(net, t, i) == point:  # all others of its neighbours are around the point themselves
                 u = neighbour(net, t, i)
                 if u != NONE and is_inside(net, u, x, y, z):
                     return u
-        place = next_around(net.incidence, place)
     return NONE
 
 

@@ -21,7 +21,6 @@ from tetrabench.protocols import Answer
 from tetrabench.tetra import audit, digest, edit, interface, memory
 from tetrabench.tetra.contestant import TetraContestant
 from tetrabench.tetra.deform import deform
-from tetrabench.tetra.incidence import END, first_around, next_around, ref_around
 from tetrabench.tetra.interface import NONE, Net
 from tetrabench.tetra.locate import Grid, locate
 from tetrabench.tetra.nearest import make_stack, nearest_points
@@ -33,8 +32,9 @@ PEAK = 360.0  # bytes a tetra while a net is built: measured 291 with arrays, 35
 class TetraNet:
     """A tetrahedral net in the storage of a contestant: ask it, change it, or hand `storage` to kernels of your own.
 
-    A ref stands for a tetra: an int64, valid until that tetra is deleted. Arrays of refs are (n,) int64; -1 is no tetra.
-    Properties over the whole net are in iteration order, that of `refs`.
+    A ref stands for a tetra: an int64. Where the contestant has `stable_refs` it is valid until that tetra is deleted; else
+    `collect` ends all refs when it returns True, and so may `insert` and `split`, which collect where they have to.
+    Arrays of refs are (n,) int64; -1 is no tetra. Properties over the whole net are in iteration order, that of `refs`.
     """
 
     def __init__(self, mesh: TetraMesh, contestant: TetraContestant) -> None:
@@ -273,7 +273,7 @@ class TetraNet:
 
     def tetras_around(self, point: int) -> list[int]:
         """Refs of the tetras that use a point."""
-        refs: list[int] = _around(self.storage, self._known_point(point)).tolist()
+        refs: list[int] = interface.tetras_around(self.storage, self._known_point(point)).tolist()
         return refs
 
     def _known_point(self, point: int) -> int:
@@ -334,11 +334,19 @@ class TetraNet:
         self.storage = edit.reserve(self.storage, 1, 0)
         self._drop_stale_addresses()
         try:
-            t = int(edit.insert_tetra(self.storage, a, b, c, d))
+            t = self._insert(a, b, c, d)
         except ValueError as error:
             raise InputError(f"cannot insert the tetra ({a}, {b}, {c}, {d}): {error}") from None
         self._book(born=t)
         return t
+
+    def _insert(self, a: int, b: int, c: int, d: int) -> int:
+        try:
+            return int(interface.insert_tetra(self.storage, a, b, c, d))
+        except ValueError:  # what is in the way may have been deleted
+            if not self.collect():
+                raise
+        return int(interface.insert_tetra(self.storage, a, b, c, d))
 
     def delete(self, t: int) -> None:
         """Delete a tetra; its points stay.
@@ -348,7 +356,7 @@ class TetraNet:
         """
         ref = int(self._one(t)[0])
         try:
-            edit.delete_tetra(self.storage, ref)
+            interface.delete_tetra(self.storage, ref)
         except ValueError as error:
             raise InputError(f"cannot delete {ref}: {error}") from None
         self._book(dead=ref)
@@ -366,8 +374,16 @@ class TetraNet:
             raise InputError(f"there is no tetra {strange[0]}")
         if len(np.unique(refs)) < len(refs):
             raise InputError("a tetra can be split only once: a ref comes twice")
-        self.storage, skipped = edit.split_many(self.storage, refs)
-        return skipped
+        self.storage, skipped = interface.split_many(self.storage, refs)
+        return int(skipped)
+
+    def collect(self) -> bool:
+        """Finish what deletions have left, where a contestant lets them wait (the half-face kernel does).
+
+        Returns whether refs may have changed by it: take them anew then.
+        """
+        self.storage, changed = interface.collect(self.storage)
+        return bool(changed)
 
     def deform(self, move: Callable[[NDArray[np.float64]], NDArray[np.float64]]) -> int:
         """Move the points by a map (n, 3) -> (n, 3); returns how many tetras were touched. See `tetra.deform`."""
@@ -494,18 +510,3 @@ def _set_states(net: Net, refs: Any, values: Any) -> None:
     for n in range(len(refs)):
         for k in range(interface.STATES):
             interface.set_state(net, refs[n], k, values[n, k])
-
-
-@kernel
-def _around(net: Net, point: int) -> Any:
-    n = 0
-    place = first_around(net.incidence, point)
-    while place != END:
-        place = next_around(net.incidence, place)
-        n += 1
-    refs = np.empty(n, np.int64)
-    place = first_around(net.incidence, point)
-    for k in range(n):
-        refs[k] = ref_around(net.incidence, place)
-        place = next_around(net.incidence, place)
-    return refs
