@@ -96,22 +96,41 @@ def _group_by_vertex(mesh: HalfFaces, gone: Any, starts: Any, corners: Any) -> A
 
 
 @kernel(allocates=False, inline=True)
-def _is_closed_but_for_one(mesh: HalfFaces, v: int, going: int) -> Any:
-    """Whether one tetra goes from a vertex without border: the rest hangs together then (a closed surface less a triangle)."""
+def _hangs_together(mesh: HalfFaces, v: int, going: int) -> Any:
+    """Whether what is left around a vertex is one component for sure: one or two tetras go from one without border.
+
+    The triangles opposite the vertex in its tetras are a closed surface, no two edges of which have the same ends. Two
+    edges do not cut it, then, and so two of its triangles do not (their graph is cubic: it hangs together by three).
+    """
     record, place = first_record(mesh, v)
-    return going == 1 and place == NONE and not is_border(mesh, record)
+    return going <= 2 and place == NONE and not is_border(mesh, record)
+
+
+@kernel(allocates=False)
+def _beside(mesh: HalfFaces, corner: int) -> Any:
+    """A half-face at a corner's vertex of a tetra that stays, opposite one of a tetra that goes; NONE if there is none."""
+    found = NONE
+    for x in range(4):
+        if x != 3 - (corner & 3):
+            opposite = opposite_of(mesh, corner >> 2, x)
+            if not is_border(mesh, opposite) and not is_flagged(mesh, tetra_of(mesh, opposite)):
+                found = opposite
+    return found
 
 
 @kernel(allocates=False)
 def _prune(mesh: HalfFaces, starts: Any, corners: Any) -> None:
-    """Take away the access half-faces that go; a vertex that is closed but for one gets that of a neighbour of the one."""
+    """Take away the access half-faces that go. Where the rest hangs together for sure, put one beside what goes instead.
+
+    The first of such a vertex's corners is marked: it becomes -1 - corner.
+    """
     for v in range(mesh.counters[VERTICES]):
         going = starts[v + 1] - starts[v]
         if going > 0:
             record, place = first_record(mesh, v)
-            if _is_closed_but_for_one(mesh, v, going):
-                corner = corners[starts[v]]
-                mesh.v2hf[v] = opposite_of(mesh, corner >> 2, 0 if corner & 3 != 3 else 1)
+            if _hangs_together(mesh, v, going):
+                mesh.v2hf[v] = _beside(mesh, corners[starts[v]])
+                corners[starts[v]] = -1 - corners[starts[v]]
             elif place == NONE:
                 if is_flagged(mesh, tetra_of(mesh, inner_of(mesh, record))):
                     mesh.v2hf[v] = isolated(mesh)
@@ -147,27 +166,22 @@ def _correct(mesh: HalfFaces, starts: Any, corners: Any, begin: int) -> Any:
     counters = mesh.counters
     for v in range(begin, counters[VERTICES]):
         going = starts[v + 1] - starts[v]
-        if counters[RECORDS] - counters[FREE_RECORDS] + 3 * going + 2 > len(mesh.v2nhf) and going > 0:
+        if going == 0:
+            continue
+        if corners[starts[v]] < 0:
+            beside = np.int64(mesh.v2hf[v])
+            mesh.v2hf[v] = opposite_of(mesh, tetra_of(mesh, beside), number_of(mesh, beside))
+            continue
+        if counters[RECORDS] - counters[FREE_RECORDS] + 3 * going + 2 > len(mesh.v2nhf):
             return v
-        record, place = first_record(mesh, v)
-        if going == 1 and place == NONE and record != NONE and _has_become_border(mesh, record):
-            mesh.v2hf[v] = opposite_of(mesh, tetra_of(mesh, record), number_of(mesh, record))
-        elif going > 0:
-            for n in range(starts[v], starts[v + 1]):
-                for x in range(4):
-                    if x != 3 - (corners[n] & 3):
-                        beside = opposite_of(mesh, corners[n] >> 2, x)
-                        if not is_border(mesh, beside) and not is_flagged(mesh, tetra_of(mesh, beside)):
-                            add_record(mesh, v, beside)
-            settle(mesh, v)
+        for n in range(starts[v], starts[v + 1]):
+            for x in range(4):
+                if x != 3 - (corners[n] & 3):
+                    beside = opposite_of(mesh, corners[n] >> 2, x)
+                    if not is_border(mesh, beside) and not is_flagged(mesh, tetra_of(mesh, beside)):
+                        add_record(mesh, v, beside)
+        settle(mesh, v)
     return counters[VERTICES]
-
-
-@kernel(allocates=False, inline=True)
-def _has_become_border(mesh: HalfFaces, halfface: int) -> Any:
-    """Whether an inner half-face lies opposite the border now."""
-    here = not is_border(mesh, halfface)
-    return here and is_border(mesh, opposite_of(mesh, tetra_of(mesh, halfface), number_of(mesh, halfface)))
 
 
 @kernel(allocates=False)

@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 from numba.extending import register_jitable
-from numpy.typing import NDArray
 
 from tetrabench.backends.tetra.halfface.audit import audit
 from tetrabench.backends.tetra.halfface.collect import collect as collect_flagged
@@ -13,7 +12,6 @@ from tetrabench.backends.tetra.halfface.construct import construct
 from tetrabench.backends.tetra.halfface.delete_flags import END, DeleteFlags
 from tetrabench.backends.tetra.halfface.edit import (
     EQUAL,
-    FULL,
     SHARED,
     TWICE,
     UNKNOWN,
@@ -35,7 +33,6 @@ from tetrabench.backends.tetra.halfface.storage import (
     first_record,
     inner_of,
     is_flagged,
-    reserve,
     tetra_of,
 )
 from tetrabench.backends.tetra.halfface.walks import walk_fan
