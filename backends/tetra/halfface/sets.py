@@ -49,21 +49,40 @@ _SHOWN = 8
 _Self = TypeVar("_Self", bound="_Set")
 
 
+class Page(NamedTuple):
+    """Some elements in ascending order, with nothing left out between the first and `end`.
+
+    Attributes:
+        handles: (n,) int64, ascending, distinct.
+        counts: (n,) int64, how often each is there, more than 0.
+        end: the handle up to which these are all; LARGEST on the last page.
+    """
+
+    handles: Handles
+    counts: Handles
+    end: int
+
+
 class Operand:
     """What set algebra takes: a set, a multiset, an expression.
 
-    Subclasses say how often they have a handle (`_count`, `_counts`), and where to look for those they have
-    (`_candidates`); all else follows.
+    Subclasses say how often they have a handle (`_count`, `_counts`) and list what they have in pages (`_page`); all else
+    follows.
 
     Attributes:
         element: the kind of all its elements.
-        multiple: whether it may have an element more than once.
+        levels: how deep an expression is; 0 for what is none.
     """
 
     element: Element
-    multiple: bool
+    levels = 0
 
     __hash__ = None  # type: ignore[assignment]
+
+    @property
+    def multiple(self) -> bool:
+        """Whether it may have an element more than once."""
+        raise NotImplementedError
 
     def _count(self, handle: int) -> int:
         """How often a handle is there; `handle` is 0 to LARGEST."""
@@ -73,41 +92,28 @@ class Operand:
         """How often each of (n,) ascending handles is there, (n,) int64."""
         raise NotImplementedError
 
-    def _candidates(self, after: int, most: int) -> tuple[Handles, int]:
-        """Handles that may be there, (n,) ascending and distinct, and the handle up to which these are all beyond `after`.
+    def _page(self, after: int, most: int) -> Page:
+        """The elements beyond the handle `after`, up to some handle that is near enough for few of them.
 
-        That is LARGEST at the end, where no more can follow. No operand contributes more than `most`.
+        No set or multiset puts in more than `most`.
         """
         raise NotImplementedError
 
     def _bound(self) -> int:
-        """There are no more candidates than that."""
+        """There are no more distinct elements than that."""
         raise NotImplementedError
 
     def _frozen(self) -> "Operand":
         """The same with the elements of this moment, whatever is done to it later. Copies none of them."""
         raise NotImplementedError
 
-    def _levels(self) -> int:
-        """How deep the expression is; 0 for what is none."""
-        return 0
-
-    def _pages(self) -> Iterator[tuple[Handles, Handles]]:
-        """All distinct elements, ascending, some at a time, with how often they are there: (n,) and (n,) int64, n > 0."""
-        after, most = INVALID, _FIRST_PAGE
-        while after < LARGEST:
-            handles, after = self._candidates(after, most)
-            counts = self._counts(handles)
-            there = counts > 0
-            if there.any():
-                yield handles[there], counts[there]
-            most = min(2 * most, _LARGEST_PAGE)
-
-    def _all(self) -> tuple[Handles, Handles]:
-        """All distinct elements, ascending, with how often they are there: (n,) and (n,) int64."""
-        handles, _ = self._candidates(INVALID, sys.maxsize)
-        counts = self._counts(handles)
-        return handles[counts > 0], counts[counts > 0]
+    def _pages(self) -> Iterator[Page]:
+        """All elements, ascending; first a short page, for a question may be answered by the first of them."""
+        end, most = INVALID, _FIRST_PAGE
+        while end < LARGEST:
+            page = self._page(end, most)
+            yield page
+            end, most = page.end, min(2 * most, _LARGEST_PAGE)
 
     def count(self, handle: int) -> int:
         """How often an element is there. A handle that can be of none, such as INVALID, is there 0 times.
@@ -127,9 +133,7 @@ class Operand:
 
     def any(self) -> int:
         """The element with the lowest handle; INVALID where there is none. Looks no further than the page with the first."""
-        for handles, _ in self._pages():
-            return int(handles[0])
-        return INVALID
+        return next((int(page.handles[0]) for page in self._pages() if len(page.handles)), INVALID)
 
     def is_empty(self) -> bool:
         """Whether there is no element; looks no further than `any`."""
@@ -141,19 +145,19 @@ class Operand:
     def __iter__(self) -> Iterator[int]:
         """Ascending, each as often as it is there; goes on over what was there at its beginning, whatever is changed."""
         pages = self._frozen()._pages()
-        return (handle for handles, counts in pages for handle in np.repeat(handles, counts).tolist())
+        return (handle for page in pages for handle in np.repeat(page.handles, page.counts).tolist())
 
     def __eq__(self, other: object) -> bool:
         """Whether both have elements of the same kind, the same ones, each equally often."""
         if not isinstance(other, Operand):
             return NotImplemented
-        return self.element is other.element and Expression(_SYMMETRIC_DIFFERENCE, (self, other)).is_empty()
+        return self.element is other.element and Expression(_SYMMETRIC_DIFFERENCE, (self, other), 0).is_empty()
 
     def evaluate(self) -> "ElementSet | ElementMultiset":
         """A committed set, or a multiset if `multiple`, of the elements of this moment, with data of its own."""
-        handles, counts = self._all()
+        whole = self._page(INVALID, sys.maxsize)
         kind = ElementMultiset if self.multiple else ElementSet
-        return kind._of(self.element, Block(np.repeat(handles, counts)))
+        return kind._of(self.element, Block(np.repeat(whole.handles, whole.counts)))
 
     def __or__(self, other: object) -> "Expression":
         return _combined(_UNION, self, other)
@@ -175,31 +179,35 @@ class _Operator(NamedTuple):
         sign: as it is written.
         of_numbers: for one handle, int and int -> int.
         of_arrays: for several, (n,) and (n,) int64 -> (n,) int64.
-        sources: those of the operands that between them have all elements of the result.
+        driver: the operand that has all elements of the result; None where any of them may have some. If so, what has a
+            handle 0 times changes nothing.
     """
 
     sign: str
     of_numbers: Callable[[int, int], int]
     of_arrays: Callable[[Handles, Handles], Handles]
-    sources: Callable[[tuple[Operand, ...]], tuple[Operand, ...]]
+    driver: Callable[[tuple[Operand, ...]], Operand] | None
 
 
-_UNION = _Operator("|", max, np.maximum, lambda operands: operands)
-_INTERSECTION = _Operator("&", min, np.minimum, lambda operands: (min(operands, key=lambda one: one._bound()),))
-_SYMMETRIC_DIFFERENCE = _Operator("^", lambda m, n: abs(m - n), lambda m, n: np.abs(m - n), lambda operands: operands)
+_UNION = _Operator("|", max, np.maximum, None)
+_INTERSECTION = _Operator("&", min, np.minimum, lambda operands: min(operands, key=lambda one: one._bound()))
+_SYMMETRIC_DIFFERENCE = _Operator("^", lambda m, n: abs(m - n), lambda m, n: np.abs(m - n), None)
 _DIFFERENCE = _Operator(
-    "-", lambda m, n: max(m - n, 0), lambda m, n: np.maximum(m - n, 0), lambda operands: operands[:1]
+    "-", lambda m, n: max(m - n, 0), lambda m, n: np.maximum(m - n, 0), lambda operands: operands[0]
 )
 
 
 class Expression(Operand):
     """Operands of one kind under one operator, from left to right. Made by the operators of `Operand`."""
 
-    def __init__(self, operator: _Operator, operands: tuple[Operand, ...]) -> None:
-        self.operator, self.operands = operator, operands
+    def __init__(self, operator: _Operator, operands: tuple[Operand, ...], levels: int) -> None:
+        self.operator, self.operands, self.levels = operator, operands, levels
         self.element = operands[0].element
-        self.multiple = any(one.multiple for one in operands)
-        self._depth = 1 + max(one._levels() for one in operands)
+
+    @property
+    def multiple(self) -> bool:
+        """Whether one of the operands is a multiset."""
+        return any(one.multiple for one in self.operands)
 
     def _count(self, handle: int) -> int:
         return reduce(self.operator.of_numbers, (one._count(handle) for one in self.operands))
@@ -207,23 +215,24 @@ class Expression(Operand):
     def _counts(self, handles: Handles) -> Handles:
         return reduce(self.operator.of_arrays, (one._counts(handles) for one in self.operands))
 
-    def _candidates(self, after: int, most: int) -> tuple[Handles, int]:
-        pages = [one._candidates(after, most) for one in self.operator.sources(self.operands)]
-        if len(pages) == 1:
-            return pages[0]
-        end = min(end for _, end in pages)  # beyond it one of them may have more
-        # as in `Block.commit`, a stable sort merges
-        handles = distinct(np.sort(np.concatenate([handles for handles, _ in pages]), kind="stable"))
-        return handles[: handles.searchsorted(end, "right")], end
+    def _page(self, after: int, most: int) -> Page:
+        if self.operator.driver is None:
+            handles, counts, end = _merged([one._page(after, most) for one in self.operands], self.operator.of_arrays)
+        else:
+            driver = self.operator.driver(self.operands)
+            handles, known, end = driver._page(after, most)
+            each = (known if one is driver else one._counts(handles) for one in self.operands)
+            counts = reduce(self.operator.of_arrays, each)
+        there = counts > 0
+        return Page(handles[there], counts[there], end)
 
     def _bound(self) -> int:
-        return sum(one._bound() for one in self.operator.sources(self.operands))
+        if self.operator.driver is None:
+            return sum(one._bound() for one in self.operands)
+        return self.operator.driver(self.operands)._bound()
 
     def _frozen(self) -> "Expression":
-        return Expression(self.operator, tuple(one._frozen() for one in self.operands))
-
-    def _levels(self) -> int:
-        return self._depth
+        return Expression(self.operator, tuple(one._frozen() for one in self.operands), self.levels)
 
     def __str__(self) -> str:
         shown = [f"({one})" if isinstance(one, Expression) else str(one) for one in self.operands[:_SHOWN]]
@@ -244,12 +253,29 @@ def _combined(operator: _Operator, left: Operand, right: object) -> Expression:
         return NotImplemented  # type: ignore[no-any-return]
     _check_element(left, right)
     if isinstance(left, Expression) and left.operator is operator:
-        made = Expression(operator, (*left.operands, right))
+        made = Expression(operator, (*left.operands, right), max(left.levels, right.levels + 1))
     else:
-        made = Expression(operator, (left, right))
-    if made._levels() > _DEEPEST:
+        made = Expression(operator, (left, right), max(left.levels, right.levels) + 1)
+    if made.levels > _DEEPEST:
         raise InputError(f"an expression of more than {_DEEPEST} levels; evaluate() a part of it in between")
     return made
+
+
+def _merged(pages: list[Page], of_arrays: Callable[[Handles, Handles], Handles]) -> Page:
+    """The page of operands without a driver, from theirs; its counts may be 0."""
+    end = min(page.end for page in pages)  # beyond it one of them may have more
+    handles = np.concatenate([page.handles for page in pages])
+    counts = np.concatenate([page.counts for page in pages])
+    order = np.argsort(handles, kind="stable")  # merges; equal ones stay in the order of the operands
+    order = order[: handles.searchsorted(end, "right", sorter=order)]
+    handles, counts = handles[order], counts[order]
+    first = np.flatnonzero(np.concatenate(([True], handles[1:] != handles[:-1]))[: len(handles)])
+    beyond = np.append(first[1:], len(handles))
+    result = counts[first]
+    for n in range(1, int((beyond - first).max(initial=0))):  # the n-th operand after the first that has the handle
+        more = np.flatnonzero(first + n < beyond)
+        result[more] = of_arrays(result[more], counts[first[more] + n])
+    return Page(handles[first], result, end)
 
 
 def _check_element(one: Operand, other: Operand) -> None:
@@ -288,11 +314,13 @@ class _Set(Operand):
         made._block = block
         return made
 
-    def _candidates(self, after: int, most: int) -> tuple[Handles, int]:
+    def _page(self, after: int, most: int) -> Page:
         committed = self._block.committed
         begin = committed.searchsorted(after, "right")
-        page = committed[begin : begin + most]
-        return distinct(page), int(page[-1]) if begin + most < len(committed) else LARGEST
+        handles = committed[begin : begin + most]
+        end = int(handles[-1]) if begin + most < len(committed) else LARGEST
+        handles = distinct(handles)
+        return Page(handles, self._counts(handles), end)
 
     def _bound(self) -> int:
         return self.committed_size
@@ -426,8 +454,9 @@ class ElementSet(_Set):
         committed = self._block.committed
         if not len(committed):
             return np.zeros(len(handles), np.int64)
-        places = committed.searchsorted(handles)
-        return (committed.take(places, mode="clip") == handles).astype(np.int64)
+        places = committed.searchsorted(handles)  # (len(committed) beyond the last)
+        there: Handles = (committed.take(places, mode="clip") == handles).astype(np.int64)
+        return there
 
 
 class ElementMultiset(_Set):
