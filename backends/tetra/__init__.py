@@ -1,11 +1,13 @@
-"""The seven layouts of a tetrahedral net: three places for the fields, times three ways to keep the holes, plus V4.
+"""The contestants: seven layouts of a net, three places for the fields times ways to keep the holes, and a half-face kernel.
 
-|                                    | sorted list of holes | flag + scan | flag + list | no holes |
-|------------------------------------|----------------------|-------------|-------------|----------|
-| property arrays                    | v3                   | v3x         | v3y         |          |
-| array of records                   | v5                   | v5x         | v5y         |          |
-| linked nodes (a heap node a tetra) |                      |             |             | v4       |
+|                                    | sorted list of holes | flag + scan | flag + list | no holes | flags, collected |
+|------------------------------------|----------------------|-------------|-------------|----------|------------------|
+| property arrays                    | v3                   | v3x         | v3y         |          |                  |
+| array of records                   | v5                   | v5x         | v5y         |          |                  |
+| linked nodes (a heap node a tetra) |                      |             |             | v4       |                  |
+| half-faces and attributes          |                      |             |             |          | halfface         |
 
+The seven keep lists of the tetras around each point; half-faces need none: see `halfface`, which has its own thesis.
 "The thesis", here and in scenarios/, is József Martin, Nagyméretű tetraéderhálózatok hatékony kezelési módszereinek vizsgálata
 (Handling large tetrahedral meshes efficiently: a study of methods), Széchenyi István University, Győr 2011; this is its 4.4.
 """
@@ -14,6 +16,7 @@ from functools import partial
 
 import numpy as np
 
+from tetrabench.backends.tetra.halfface import topology as halfface
 from tetrabench.backends.tetra.layouts.linked_nodes import make_linked_nodes
 from tetrabench.backends.tetra.layouts.property_arrays import make_property_arrays
 from tetrabench.backends.tetra.layouts.records import make_records
@@ -52,6 +55,17 @@ V4 = TetraContestant(
     source=SOURCE,
 )
 
+HALFFACE = TetraContestant(
+    name="halfface",
+    title="half-faces and attributes, deletions collected",
+    trade_off="least memory, local queries without lists; refs change when deleted tetras are collected",
+    build=halfface.build,
+    layout="half-faces and attributes",
+    slots="flags, collected",
+    source="D. Hromádka, thesis, Brno 2013, chapter 5",
+    stable_refs=False,
+)
+
 PRODUCT = [
     TetraContestant(
         name=layout + suffix,
@@ -66,4 +80,4 @@ PRODUCT = [
     for suffix, policy, price, make_slots in SLOT_POLICIES
 ]
 
-CONTESTANTS = sorted([*PRODUCT, V4], key=lambda contestant: contestant.name)
+CONTESTANTS = [*sorted([*PRODUCT, V4], key=lambda contestant: contestant.name), HALFFACE]

@@ -57,7 +57,8 @@ def audit(net: Net) -> list[str]:
     refs = np.sort(refs[:visited])
     if (refs[1:] == refs[:-1]).any():
         faults[1] += 1
-    elif not faults[1]:
+    elif not faults[1] and _check_vertices(net, refs, faults):
+        faults[6] += incidence_faults(net, refs)
         _check_tetras(net, refs, faults)
     _check_tree(net, faults)
     return [name for name, count in zip(CHECKS, faults, strict=True) if count]
@@ -89,11 +90,12 @@ def is_known(refs: Any, t: int) -> Any:
 
 
 @kernel
-def _check_tetras(net: Net, refs: Any, faults: Any) -> None:
+def _check_vertices(net: Net, refs: Any, faults: Any) -> bool:
+    """Points, and the vertices of tetras; whether these can be relied upon."""
     points = net.points.counters[COUNT]
     if points < 0 or points > len(net.points.xyz):
         faults[8] += 1
-        return
+        return False
     for point in range(points):
         for k in range(3):
             faults[8] += int(not np.isfinite(net.points.xyz[point, k]))
@@ -104,9 +106,11 @@ def _check_tetras(net: Net, refs: Any, faults: Any) -> None:
                 faults[2] += 1
             for j in range(i):
                 faults[2] += int(vertex(net, t, j) == v)
-    if faults[2] > 0:
-        return
-    faults[6] += incidence_faults(net, refs)
+    return faults[2] == 0
+
+
+@kernel
+def _check_tetras(net: Net, refs: Any, faults: Any) -> None:
     for t in refs:
         for k in range(STATES):
             faults[5] += int(not np.isfinite(state(net, t, k)))

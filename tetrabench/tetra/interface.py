@@ -4,7 +4,7 @@ Three axes. The **layout** says where the fields of a tetra live; the **slot pol
 and filled; the **incidence** says which tetras are around a point, and so how a tetra comes into the net and out of it.
 Each is a NamedTuple of arrays, held in the net's fields `layout`, `slots` and `incidence`, with an implementation of the
 functions below (`tetrabench.jit.implements`). All of them work in numba kernels and in plain Python, but for the last
-two, which are plain Python. Most contestants take the lists of `tetrabench.tetra.incidence`, and choose on two axes.
+three, which are plain Python. Most contestants take the lists of `tetrabench.tetra.incidence`, and choose on two axes.
 
 Words: `t` is the ref of a tetra, an int64: an index in array layouts, an address in linked ones; NONE where there is no
 tetra. Side `i` is the face opposite vertex `i`. `k` counts coordinates (0..2) or states (0..4).
@@ -249,7 +249,7 @@ def incidence_faults(net: Net, refs: NDArray[np.int64]) -> int:
     """Self-audit: in how many ways the tetras around points are not those that use them, 0 if all is sound.
 
     `refs` (n,) int64 are the live tetras, ascending; each has four different vertices that are points. Nothing else may
-    be relied upon: a damaged incidence is never followed out of its arrays, nor in circles.
+    be relied upon: a damaged incidence is never followed out of its arrays, nor in circles. Plain Python.
     """
 
 

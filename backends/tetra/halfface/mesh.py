@@ -311,7 +311,7 @@ class Mesh:
         belong to it.
         """
         _, found = self.one_to_all_many(target, source, [handle])
-        return ElementSet.of_sorted(target, found)
+        return ElementSet(target, found)
 
     def one_to_all_many(
         self, target: Element, source: Element, handles: ArrayLike

@@ -16,7 +16,6 @@ from tetrabench.backends.tetra.halfface.compound import (
     INNER,
     SPECIAL,
     WORDS,
-    base_bits,
     base_mask,
     base_of,
     compound,

@@ -215,7 +215,7 @@ def incidence_faults(net, refs):
 
 
 @implements(interface.collect, HalfFaces)
-def collect(net, *_):
+def collect(net):
     """Collect, and let the fields follow."""
     if net.incidence.counters[FLAGGED] == 0:
         return net, False
@@ -260,7 +260,7 @@ def _flag_parents(net: Net, refs: Any, children: Any, states: Any, stack: Any) -
                     children[4 * split + i, j] = centre if i == j else vertex(net, t, j)
             for k in range(STATES):
                 states[split, k] = state(net, t, k)
-            delete_tetra(net, t)
+            _delete_tetra(net, t)
             split += 1
     return split
 
