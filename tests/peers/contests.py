@@ -3,10 +3,11 @@
 from collections.abc import Callable
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
+from tests.contest import Contest, Row
 from tetrabench.backends.tetra import CONTESTANTS
 from tetrabench.io import read_mesh, write_nastran
 from tetrabench.mesh.incidence import vertex_tetras
@@ -62,21 +63,6 @@ class Case:
                 _, name, tets = Path(self.file("small")).read_bytes().partition(b"CTETRA")
                 path.write_bytes(points + name + tets)
         return str(path)
-
-
-class Contest(NamedTuple):
-    """Two ways to the same answer, and a judge.
-
-    Attributes:
-        ours, theirs: the timed calls.
-        differ: says in what the answers differ, "" where they agree.
-        tidy: called after each of theirs, untimed.
-    """
-
-    ours: Callable[[], Any]
-    theirs: Callable[[], Any]
-    differ: Callable[[Any, Any], str]
-    tidy: Callable[[], Any] = lambda: None
 
 
 # ---- reading Nastran
@@ -224,21 +210,6 @@ def _unequal(theirs: Any, ours: Any, what: str) -> str:
     if theirs.shape != ours.shape:
         return f"{what}: {theirs.shape} beside our {ours.shape}"
     return "" if (theirs == ours).all() else f"{what} differ in {(theirs != ours).sum()} places"
-
-
-class Row(NamedTuple):
-    """A line of the table.
-
-    Attributes:
-        bar: what the ratio ours / theirs must not exceed; None for a peer that is there for orientation.
-        contest: made from the case and the peer's module.
-    """
-
-    operation: str
-    numbering: str
-    peer: str
-    bar: float | None
-    contest: Callable[[Case, Any], Contest]
 
 
 ROWS = [

@@ -11,11 +11,10 @@ from unittest.mock import MagicMock
 import bench_peers
 import numpy as np
 import pytest
-from bench_peers import ROWS, line, measure, rows_of, turns_by_peer, warm_up
-from contests import Case, Contest, misplaced
+from contests import ROWS, Case, misplaced
 from peers import MODULES, MissingPeerError, load_peer
 
-from tetrabench.bench.clock import Clocks
+from tests.contest import line
 
 SMALL = ["--tets", "600", "--queries", "100", "--turns", "6"]
 
@@ -58,14 +57,6 @@ def test_a_wrong_command_line_is_refused_in_one_line(words, reason):
     assert "Traceback" not in done.stderr
 
 
-def test_turns_and_rows():
-    turns = turns_by_peer(["9", "meshio=6"])
-    assert (turns("gmsh"), turns("meshio")) == (9, 6)
-    assert turns_by_peer([])("gmsh") == 21
-    assert [row[:3] for row in rows_of({"sides", "nearest", "natural", "libigl"})] == [("sides", "natural", "libigl")]
-    assert rows_of(set()) == ROWS
-
-
 def test_a_missing_peer_says_how_to_get_it(monkeypatch):
     monkeypatch.setitem(MODULES, "meshio", "no_such_module_at_all")
     with pytest.raises(MissingPeerError, match=r"no_such_module_at_all.*pip install 'tetrabench\[peers\]'"):
@@ -78,13 +69,6 @@ def test_a_missing_library_of_gmsh_is_named(monkeypatch, tmp_path):
     monkeypatch.setitem(MODULES, "gmsh", "gmsh_without_glu")
     with pytest.raises(MissingPeerError, match=r"libGLU.so.1.*apt install libglu1-mesa"):
         load_peer("gmsh")
-
-
-def test_different_answers_are_not_timed():
-    difference, _ = warm_up(Contest(lambda: 1, lambda: 2, lambda ours, theirs: f"{ours} is not {theirs}"))
-    assert difference == "1 is not 2"
-    row = {"operation": "sides", "numbering": "natural", "peer": "libigl", "difference": difference}
-    assert line(row).endswith("NOT TIMED, the answers differ: 1 is not 2")
 
 
 @pytest.fixture(scope="module", params=["natural", "shuffled"])
@@ -140,21 +124,3 @@ def test_the_judge_of_located_points(case):
     assert misplaced(case, rows, "we") == ""
     rows[3], rows[5] = -1, rows[6]
     assert misplaced(case, rows, "they") == "they find 2 of 50 points in a wrong tetra"
-
-
-def test_bars_and_threads(monkeypatch):
-    """A bar is met by the upper end of the interval; time that other threads spent makes no ratio."""
-    clocks = iter([0.1, 0.2, 0.2, 0.1] * 3)
-    monkeypatch.setattr(bench_peers, "sample", lambda *_: Clocks(*[next(clocks)] * 3))
-    contest = Contest(tuple, tuple, lambda *_: "")
-    row = measure(contest, 0.51, 6, lambda _: None)
-    assert (row["ratio"], row["met"], row["one_thread"]) == (0.5, True, True)
-    clocks = iter([0.1, 0.2, 0.2, 0.1] * 3)
-    row = measure(contest, 0.49, 6, lambda _: None)
-    assert row["met"] is False
-    monkeypatch.setattr(bench_peers, "sample", lambda *_: Clocks(0.1, 0.15, 0.1))
-    row |= {"operation": "sides", "numbering": "natural", "peer": "libigl", "bar": 0.5}
-    row |= measure(contest, 0.5, 6, lambda _: None)
-    assert not row["one_thread"]
-    assert "NOT COMPARABLE" in line(row)
-    assert np.allclose(row["pairs_s"], 0.15)
