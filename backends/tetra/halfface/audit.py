@@ -133,10 +133,12 @@ def _adjacency_is_sound(mesh: HalfFaces, vertices: Ints) -> bool:
     live = np.flatnonzero(_extensions(there, mesh) != DELETED)
     t, x = np.nonzero(on_border)
     alone = faces[t, x]
+    counted = np.bincount(alone.ravel(), minlength=mesh.counters[storage.VERTICES])
     return bool(
         np.array_equal(np.sort(base[t, x]), live)
         and (there[base[t, x]] == own[t, x]).all()
         and len(np.unique(alone, axis=0)) == len(alone)
+        and np.array_equal(mesh.vborders[: mesh.counters[storage.VERTICES]], counted)
     )
 
 

@@ -16,6 +16,7 @@ from tetrabench.backends.tetra.halfface.storage import (
     VISITED,
     HalfFaces,
     add_record,
+    count_border,
     inner,
     make_halffaces,
     number_of,
@@ -119,6 +120,8 @@ def _link(mesh: HalfFaces, ascending: Any, numbers: Any, pairs: Any, first: Any,
                 mesh.bhf2hf[border] = inner(mesh, t, x)
                 mesh.adjacency[t, x] = border
                 border += 1
+    for halfface in mesh.bhf2hf:
+        count_border(mesh, tetra_of(mesh, halfface), number_of(mesh, halfface), 1)
 
 
 @kernel(allocates=False)

@@ -32,6 +32,7 @@ from tetrabench.backends.tetra.halfface.storage import (
     next_record,
     number_of,
     opposite_of,
+    place_in,
     says_deleted,
     take_border,
     tetra_of,
@@ -41,6 +42,7 @@ from tetrabench.backends.tetra.halfface.walks import (
     access_at,
     begin_walk,
     corner_at,
+    next_on_border,
     walk_component,
     walk_fan,
     was_visited,
@@ -71,12 +73,14 @@ def add_tetrahedron(mesh: HalfFaces, a: int, b: int, c: int, d: int) -> Any:
         return UNKNOWN
     if says_deleted(mesh, v0) or says_deleted(mesh, v1) or says_deleted(mesh, v2) or says_deleted(mesh, v3):
         return GONE
-    h0, h1, h2, refusal = _faces_around(mesh, v0, v1, v2, v3)
-    if refusal != 0:
-        return refusal
-    h3, refusal = _face_beyond(mesh, v1, v2, v3)
-    if refusal != 0:
-        return refusal
+    fits, h0, h1, h2, h3 = _faces_of_hole(mesh, v0, v1, v2, v3)
+    if not fits:
+        h0, h1, h2, refusal = _faces_around(mesh, v0, v1, v2, v3)
+        if refusal != 0:
+            return refusal
+        h3, refusal = _face_beyond(mesh, v1, v2, v3)
+        if refusal != 0:
+            return refusal
     t = counters[TETRAS]
     if (
         t >= len(mesh.connectivity)
@@ -97,6 +101,47 @@ def add_tetrahedron(mesh: HalfFaces, a: int, b: int, c: int, d: int) -> Any:
     _free(mesh, freed2)
     _free(mesh, freed3)
     return t
+
+
+@kernel(allocates=False)
+def _faces_of_hole(mesh: HalfFaces, v0: int, v1: int, v2: int, v3: int) -> tuple[Any, Any, Any, Any, Any]:
+    """Whether the tetra fills a hole that just fits it, and the half-faces (v0, v1, v2), (v0, v1, v3) ... of the hole.
+
+    Found from the access half-face of v0 by going around three edges, which is a short way; if they are not found this
+    way they may be there all the same. (Where all four are opposite the border nothing can be shared by three.)
+    """
+    record, listed = first_record(mesh, v0)
+    if listed != NONE or record == NONE or not is_border(mesh, record):
+        return False, NONE, NONE, NONE, NONE
+    t, x = tetra_of(mesh, mesh.bhf2hf[record]), number_of(mesh, mesh.bhf2hf[record])
+    p0 = place_in(mesh, t, v0)
+    pa = np.int64(0)
+    while pa == p0 or pa == 3 - x:
+        pa += 1
+    pb = 6 - p0 - pa - (3 - x)
+    a, b = vertex_at(mesh, t, pa), vertex_at(mesh, t, pb)
+    c = v1 + v2 + v3 - a - b
+    if (a != v1 and a != v2 and a != v3) or (b != v1 and b != v2 and b != v3) or vertex_at(mesh, t, 3 - x) == c:
+        return False, NONE, NONE, NONE, NONE
+    without_b, third = _around_edge(mesh, t, x, p0, pa)
+    without_a, other = _around_edge(mesh, t, x, p0, pb)
+    without_v0, another = _around_edge(mesh, t, x, pa, pb)
+    without_c = inner(mesh, t, x)
+    h0 = without_c if v3 == c else without_b if v3 == b else without_a
+    h1 = without_c if v2 == c else without_b if v2 == b else without_a
+    h2 = without_c if v1 == c else without_b if v1 == b else without_a
+    return third == c and other == c and another == c, h0, h1, h2, without_v0
+
+
+@kernel(allocates=False)
+def _around_edge(mesh: HalfFaces, t: int, x: int, a: int, b: int) -> tuple[Any, Any]:
+    """The half-face where one comes to the border around an edge, as `next_on_border`, and its third vertex."""
+    arrived, y = next_on_border(mesh, t, x, a, b)
+    third = -vertex_at(mesh, t, a) - vertex_at(mesh, t, b)
+    for place in range(4):
+        if place != 3 - y:
+            third += vertex_at(mesh, arrived, place)
+    return inner(mesh, arrived, y), third
 
 
 @kernel(allocates=False)
@@ -193,6 +238,8 @@ def _correct_access(mesh: HalfFaces, t: int, place: int, freed0: int, freed1: in
         settle(mesh, v)
     elif border != NONE:
         mesh.v2hf[v] = border
+    elif mesh.vborders[v] == joined:  # all its border half-faces are about to be freed
+        mesh.v2hf[v] = access_at(mesh, t << 2 | place, NONE)
     elif record == freed0 or record == freed1 or record == freed2 or record == freed3:
         begin_walk(mesh)
         mesh.v2hf[v] = access_at(mesh, t << 2 | place, walk_component(mesh, t << 2 | place))

@@ -295,7 +295,7 @@ class EventualMesh(Mesh):
         main, faces = self._main.storage, self._faces
         have, wanted = int(faces.counters[storage.VERTICES]), int(main.counters[storage.VERTICES])
         faces = storage.reserve(faces, vertices=wanted - have)
-        faces.v2hf[have:wanted] = storage.isolated(faces)
+        faces.v2hf[have:wanted], faces.vborders[have:wanted] = storage.isolated(faces), 0
         faces.counters[storage.VERTICES] = wanted
         self._faces = faces
 

@@ -393,10 +393,7 @@ class Mesh:
             return any(self.get_neighbour_tetrahedron(Tetrahedron(handle), k) == INVALID for k in range(4))
         if element == Element.FACE:
             return self._is_border(self.face_to_halffaces(Face(handle))[1])
-        record, place = storage.first_record(self._faces, self._checked(element, handle))
-        while record != INVALID and not self._is_border(int(record)):
-            record, place = storage.next_record(self._faces, place)
-        return bool(record != INVALID)
+        return bool(self._faces.vborders[self._checked(Element.VERTEX, handle)] > 0)
 
     def tetrahedra_around_edge(self, edge: Edge, start: Tetrahedron = Tetrahedron(INVALID)) -> Circulator:  # noqa: B008
         """The tetrahedra around an edge, in order; from border to border where they do not close.

@@ -51,6 +51,7 @@ class HalfFaces(NamedTuple):
         v2hf: (capacity,), for each vertex its access half-face, from which walking around it reaches all its tetras, one on
             the border where there is one; or SPECIAL: isolated, with base 0, or non-manifold, with base 1 + the place
             of its first record in v2nhf; or DELETED, with the next vertex that is.
+        vborders: (capacity,), how many half-faces on the border each vertex has.
         v2nhf: (capacity, 2), an access half-face of a non-manifold vertex, and the place of its next record.
         counters: (12,) int64, see TETRAS and so on.
         queue: (capacity,) int64, where a walk around a vertex puts what it finds: see `walks`.
@@ -62,6 +63,7 @@ class HalfFaces(NamedTuple):
     adjacency: NDArray[Any]
     bhf2hf: NDArray[Any]
     v2hf: NDArray[Any]
+    vborders: NDArray[Any]
     v2nhf: NDArray[Any]
     counters: NDArray[np.int64]
     queue: NDArray[np.int64]
@@ -77,6 +79,7 @@ def make_halffaces(vertices: int, tetras: int, borders: int, *, bits: int, fan: 
         np.empty((tetras, 4), words),
         np.empty(borders, words),
         np.empty(vertices, words),
+        np.zeros(vertices, words),
         np.empty((0, 2), words),
         np.zeros(12, np.int64),
         np.empty(fan, np.int64),
@@ -102,6 +105,7 @@ def reserve(
         "adjacency": int(counters[TETRAS]) + tetras,
         "bhf2hf": int(counters[BORDERS] - counters[FREE_BORDERS]) + borders,
         "v2hf": int(counters[VERTICES]) + vertices,
+        "vborders": int(counters[VERTICES]) + vertices,
         "v2nhf": int(counters[RECORDS] - counters[FREE_RECORDS]) + records,
     }
     wanting = {name: size for name, size in sizes.items() if size > len(getattr(mesh, name))}
@@ -239,6 +243,7 @@ def take_border(mesh: HalfFaces, t: int, x: int) -> Any:
         counters[FREE_BORDERS] -= 1
     words[border] = inner(mesh, t, x)
     mesh.adjacency[t, x] = border
+    count_border(mesh, t, x, 1)
     return border
 
 
@@ -246,9 +251,20 @@ def take_border(mesh: HalfFaces, t: int, x: int) -> Any:
 def free_border(mesh: HalfFaces, border: int) -> None:
     """Put a border half-face onto the chain of those that are free."""
     counters = mesh.counters
+    halfface = np.int64(mesh.bhf2hf[border])
+    count_border(mesh, tetra_of(mesh, halfface), number_of(mesh, halfface), -1)
     mesh.bhf2hf[border] = chained(mesh.bhf2hf, counters[FREE_BORDER])
     counters[FREE_BORDER] = border
     counters[FREE_BORDERS] += 1
+
+
+@kernel(allocates=False)
+def count_border(mesh: HalfFaces, t: int, x: int, more: int) -> None:
+    """The vertices of half-face x of tetra t have so many more half-faces on the border."""
+    for place in range(4):
+        if place != 3 - x:
+            v = vertex_at(mesh, t, place)
+            mesh.vborders[v] = np.int64(mesh.vborders[v]) + more
 
 
 @kernel(allocates=False, inline=True)
@@ -361,6 +377,7 @@ def array_sizes(mesh: HalfFaces) -> dict[str, tuple[int, int]]:
         "adjacency": counters[TETRAS],
         "bhf2hf": counters[BORDERS],
         "v2hf": counters[VERTICES],
+        "vborders": counters[VERTICES],
         "v2nhf": counters[RECORDS],
     }
     return {

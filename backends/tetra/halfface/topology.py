@@ -196,6 +196,7 @@ def grown_incidence(net, points, tetras):
         _longer(mesh.adjacency, slots),
         _longer(mesh.bhf2hf, counters[BORDERS] - counters[FREE_BORDERS] + 4 * more),
         _longer(mesh.v2hf, points),
+        _longer(mesh.vborders, points),
         _longer(mesh.v2nhf, counters[RECORDS] - counters[FREE_RECORDS] + 8 * more),
         counters.copy(),
         np.empty(fan, np.int64),

@@ -55,17 +55,43 @@ def corner_at(mesh: HalfFaces, halfface: int, vertex: int) -> Any:
 
 
 @kernel(allocates=False, inline=True)
+def place_behind(place: int, x: int, y: int) -> Any:
+    """Where a vertex is behind half-face x, which is half-face y there, that has a place before."""
+    rank = place - np.int64(place > 3 - x)
+    return rank + np.int64(rank >= 3 - y)
+
+
+@kernel(allocates=False, inline=True)
 def through(mesh: HalfFaces, corner: int, x: int) -> tuple[Any, Any]:
     """The opposite half-face of half-face x at a corner's vertex, and the corner behind it; NONE behind the border."""
-    place = corner_place(corner)
     opposite = np.int64(mesh.adjacency[np.uint64(corner >> 2), np.uint64(x)])
     extension = extension_of(mesh.adjacency, opposite)
     behind = NONE
     if extension != BORDER:
-        rank = place - np.int64(place > 3 - x)
-        place = rank + np.int64(rank >= 3 - (extension - INNER))
+        place = place_behind(corner_place(corner), x, extension - INNER)
         behind = base_of(mesh.adjacency, opposite) << 2 | place
     return opposite, behind
+
+
+@kernel(allocates=False)
+def next_on_border(mesh: HalfFaces, t: int, x: int, a: int, b: int) -> tuple[Any, Any]:
+    """The next half-face on the border around an edge of one that is there.
+
+    Half-face x of tetra t lies opposite the border, and a and b are the places in t of two of its vertices. Returns the
+    tetra and its half-face opposite the border where one arrives, through the tetras around that edge.
+    """
+    arrived = False
+    while not arrived:
+        y = 3 - (6 - a - b - (3 - x))  # the half-face that has the edge and is not x lacks the fourth vertex's place
+        opposite = np.int64(mesh.adjacency[np.uint64(t), np.uint64(y)])
+        extension = extension_of(mesh.adjacency, opposite)
+        if extension == BORDER:
+            arrived, x = True, y
+        else:
+            x = extension - INNER
+            a, b = place_behind(a, y, x), place_behind(b, y, x)
+            t = base_of(mesh.adjacency, opposite)
+    return t, x
 
 
 @kernel(allocates=False, inline=True)
