@@ -67,11 +67,13 @@ def refuse_beyond(bits: int, **counts: int) -> None:
         counts: how many of what, such as tetrahedra=3.
 
     Raises:
-        InputError: one of them is too many.
+        InputError: one of them is too many, or below 0.
     """
     if bits not in WORDS:
         raise InputError(f"a half-face mesh has words of 32 or 64 bits, not {bits}")
     for what, count in counts.items():
+        if count < 0:
+            raise InputError(f"there cannot be {count:,} {what.replace('_', ' ')}")
         if count >= 2 ** _BASES[bits]:
             way_out = "; say bits=64" if bits == 32 else ""
             raise InputError(

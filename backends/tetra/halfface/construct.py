@@ -47,7 +47,8 @@ def construct(tets: Any, vertices: int | None = None, *, bits: int = 32, manifol
         InputError: tets of another shape, an unknown vertex, a tetra with a vertex twice, two tetras with the same four
             vertices, three with one face, or more of anything than the words can count.
     """
-    refuse_beyond(bits, tetrahedra=len(tets), vertices=vertices or 0)
+    rows = np.shape(tets)[0] if np.ndim(tets) else 0
+    refuse_beyond(bits, tetrahedra=rows, vertices=vertices or 0)  # before they are copied
     tets = as_vertices(tets) if vertices is None else as_vertices(tets, vertices)
     if vertices is None:
         vertices = int(tets.max()) + 1 if len(tets) else 0

@@ -280,6 +280,7 @@ def add_vertex(mesh: HalfFaces, reuse: bool) -> Any:
         v = counters[VERTICES]
         counters[VERTICES] = v + 1
     mesh.v2hf[v] = isolated(mesh)
+    mesh.vborders[v] = 0
     return v
 
 

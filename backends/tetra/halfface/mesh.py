@@ -117,7 +117,7 @@ class Mesh:
         """The half-faces on the border."""
         return Skipping(self, Element.BORDER_HALFFACE)
 
-    def counts(self, element: Element, begin: int, end: int) -> NDArray[np.bool_]:
+    def _live(self, element: Element, begin: int, end: int) -> NDArray[np.bool_]:
         """Which of the indices begin..end - 1 of a kind are neither deleted, flagged nor free: (end - begin,) bool."""
         if element == Element.TETRAHEDRON:
             return (self._faces.connectivity[begin:end, 0].astype(np.int64) >> self._bits) < 4
@@ -141,7 +141,7 @@ class Mesh:
             return False
         if element in (Element.VERTEX, Element.BORDER_HALFFACE, Element.TETRAHEDRON):
             known = handle in self.kernel_iterator(element)
-            return known and (element == Element.TETRAHEDRON or bool(self.counts(element, handle, handle + 1)[0]))
+            return known and (element == Element.TETRAHEDRON or bool(self._live(element, handle, handle + 1)[0]))
         if element == Element.EDGE:
             a, b = handle >> queries.EDGE_BITS, handle & ((1 << queries.EDGE_BITS) - 1)
             if a >= b or not (self.is_valid(Element.VERTEX, a) and self.is_valid(Element.VERTEX, b)):
@@ -336,7 +336,7 @@ class Mesh:
             size = len(self.kernel_iterator(element))
             known = (handles >= 0) & (handles < size)
             if element == Element.VERTEX:
-                known[known] = self.counts(element, 0, size)[handles[known]]
+                known[known] = self._live(element, 0, size)[handles[known]]
             strange = handles[~known][:1].tolist()
         else:
             strange = [handle for handle in handles.tolist() if not self.is_valid(element, handle)][:1]
@@ -456,8 +456,10 @@ class Mesh:
         """Make room for so many more of each.
 
         Raises:
-            InputError: more than the words can count.
+            InputError: more than the words can count, or less than nothing.
         """
+        if min(vertices, tetrahedra, border_halffaces) < 0:
+            raise InputError("there cannot be room for less than nothing")
         self._refuse_beyond(vertices=vertices, tetrahedra=tetrahedra, border_halffaces=border_halffaces)
         self._faces = storage.reserve(
             self._faces, vertices=vertices, tetras=tetrahedra, borders=border_halffaces, fan=0
@@ -561,11 +563,11 @@ class Skipping:
     def handles(self) -> NDArray[np.int64]:
         """All at once, (n,) int64."""
         size = len(self._mesh.kernel_iterator(self._element))
-        return np.flatnonzero(self._mesh.counts(self._element, 0, size))
+        return np.flatnonzero(self._mesh._live(self._element, 0, size))
 
     def _block(self, begin: int) -> list[int]:
         end = min(begin + self._BLOCK, len(self._mesh.kernel_iterator(self._element)))
-        return [begin + int(n) for n in np.flatnonzero(self._mesh.counts(self._element, begin, end))]
+        return [begin + int(n) for n in np.flatnonzero(self._mesh._live(self._element, begin, end))]
 
     def _blocks(self) -> range:
         return range(0, len(self._mesh.kernel_iterator(self._element)), self._BLOCK)
