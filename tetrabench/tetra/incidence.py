@@ -125,14 +125,13 @@ def a_tetra_around(net: Net, point: int) -> Any:
 
 @implements(interface.fill_around, Incidence)
 def fill_around(net: Net, point: int, buffer: NDArray[np.int64]) -> int:
-    """The whole list, from the front."""
+    """The list from the front, as far as it fits: its entries are anywhere in memory."""
     n, place = 0, first_around(net.incidence, point)
-    while place != END:
-        if n < len(buffer):
-            buffer[n] = ref_around(net.incidence, place)
+    while place != END and n < len(buffer):
+        buffer[n] = ref_around(net.incidence, place)
         n += 1
         place = next_around(net.incidence, place)
-    return n
+    return n if place == END else n + 1
 
 
 # ---------------------------------------------------------------------------------------------------- room

@@ -199,9 +199,10 @@ def a_tetra_around(net: Net, point: int) -> int:
 
 @generic(on="incidence")
 def fill_around(net: Net, point: int, buffer: NDArray[np.int64]) -> int:
-    """Store the tetras of a point in `buffer` (any length,) int64, as many as fit, each once, in any order.
+    """Store the tetras of a point in `buffer` (any length,) int64, as many as fit, each once, in an order that lasts.
 
-    Returns how many there are, whether they fit or not: where more than fit, call again with a buffer of that length.
+    Returns how many there are; where not all fit, any number above the length of the buffer will do, so that a
+    contestant may stop there.
     """
 
 
@@ -288,9 +289,9 @@ def tetra_refs(net: Net) -> Any:
 @kernel
 def tetras_around(net: Net, point: int) -> Any:
     """Refs of the tetras around a point, (n,) int64."""
-    refs = np.empty(64, np.int64)  # points of usual nets have some two dozen
+    refs = np.empty(64, np.int64)  # a point of a usual net has some two dozen
     n = fill_around(net, point, refs)
-    if n > len(refs):
-        refs = np.empty(n, np.int64)
-        fill_around(net, point, refs)
+    while n > len(refs):
+        refs = np.empty(2 * n, np.int64)
+        n = fill_around(net, point, refs)
     return refs[:n]

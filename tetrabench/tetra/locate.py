@@ -23,6 +23,7 @@ from tetrabench.tetra.interface import (
     NONE,
     Net,
     a_tetra_around,
+    fill_around,
     first_tetra,
     neighbour,
     next_tetra,
@@ -53,6 +54,7 @@ _BITS = 10  # an axis: a key then leaves room in a word for the row
 _LONGEST_WALK = 500  # steps; where the net is not Delaunay, a walk may go round in a circle
 _TETRAS_A_CELL = 4.0
 _FLATTEST = 1e-3
+_FEW = 12  # tetras of a point are asked first: mostly one of them holds the query, and the others need not be fetched
 
 
 class Grid(NamedTuple):
@@ -296,22 +298,33 @@ def _extent(net: Net, t: int, k: int) -> tuple[float, float]:
 
 @kernel
 def _ask_as_the_source(net: Net, queries: Any, refs: Any) -> None:
-    stack = make_stack()
+    stack, few = make_stack(), np.empty(_FEW, np.int64)
     for q in range(len(queries)):
         x, y, z = queries[q, 0], queries[q, 1], queries[q, 2]
         point, _ = nearest_point(net.tree, x, y, z, stack)
         refs[q] = NONE
         if point >= 0:
-            refs[q] = _around(net, point, x, y, z)
+            refs[q] = _among_few(net, point, few, x, y, z)
+            if refs[q] == NONE:
+                refs[q] = _around(net, point, x, y, z)
         if refs[q] == NONE:
             refs[q] = _first_that_holds(net, x, y, z)
 
 
+@kernel(allocates=False)
+def _among_few(net: Net, point: int, few: Any, x: float, y: float, z: float) -> Any:
+    """The tetra among the first around a point."""
+    for n in range(min(fill_around(net, point, few), len(few))):
+        if is_inside(net, few[n], x, y, z):
+            return few[n]
+    return NONE
+
+
 @kernel
 def _around(net: Net, point: int, x: float, y: float, z: float) -> Any:
-    """The tetra among those around a point, then among their side neighbours."""
+    """The tetra among the others around a point, then among the side neighbours of all."""
     around = tetras_around(net, point)
-    for t in around:
+    for t in around[_FEW:]:
         if is_inside(net, t, x, y, z):
             return t
     for t in around:
