@@ -235,14 +235,15 @@ COMPARISONS = (
 )
 
 
+USED = {"connectivity": 0, "adjacency": 0, "bhf2hf": 2, "v2hf": 5, "vborders": 5, "v2nhf": 8}
+"""The arrays that are content, and which counter says how many of their rows are in use; the others are workspace of walks."""
+
+
 def words_of(mesh):
-    """Copies of all that is content: words up to where they are in use, and the counters. Queue, table, walk are workspace."""
-    storage = mesh.storage
-    used = dict(
-        zip(("connectivity", "adjacency", "bhf2hf", "v2hf", "v2nhf"), storage.counters[[0, 0, 2, 5, 8]], strict=True)
-    )
-    words = {name: getattr(storage, name)[:count].copy() for name, count in used.items()}
-    return words | {"counters": storage.counters.copy()}
+    """Copies of all that is content: words in use, and the counters."""
+    counters = mesh.storage.counters
+    words = {name: getattr(mesh.storage, name)[: counters[place]].copy() for name, place in USED.items()}
+    return words | {"counters": counters.copy()}
 
 
 def assert_untouched(mesh, before):
