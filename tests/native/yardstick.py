@@ -19,8 +19,6 @@ from tetrabench.tetra.incidence import END as END_OF_LIST
 from tetrabench.tetra.interface import NONE, Net, capacity, tetra_refs
 from tetrabench.tetra.points import COUNT
 
-BY_NAME = {contestant.name: contestant for contestant in CONTESTANTS}
-
 MACROS = {
     "v3": ("ARRAYS", "SORTED_LIST"),
     "v3x": ("ARRAYS", "FLAGS"),
@@ -32,8 +30,11 @@ MACROS = {
 }
 """Where the fields live, and how an iteration finds the live tetras."""
 
+BY_NAME = {contestant.name: contestant for contestant in CONTESTANTS if contestant.name in MACROS}
+"""The contestants that have a yardstick."""
+
 EDITABLE = ("v3y", "v4", "v5y")
-"""The contestants whose edits have a yardstick."""
+"""Those whose edits have one, too."""
 
 COMPILER = [
     "gcc",

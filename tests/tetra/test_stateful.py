@@ -23,9 +23,16 @@ class AllTogether(RuleBasedStateMachine):
         mesh = MESHES[name]()
         self.oracle = OracleNet(mesh.points, mesh.tets)
         self.nets = {c.name: TetraNet(mesh, c) for c in OURS}
-        # oracle's id -> ref, for each contestant: refs of survivors must stay what they are
+        # oracle's id -> ref, for each contestant: refs of survivors must stay what they are, but where `find_anew` says
         self.refs = {name: dict(enumerate(net.refs.tolist())) for name, net in self.nets.items()}
         self.gone = []
+
+    def find_anew(self):
+        """Find tetras by their vertices, where refs may have changed."""
+        for name, net in self.nets.items():
+            if not net.contestant.stable_refs:
+                by_vertices = {net.vertices_of(ref): ref for ref in net.refs.tolist()}
+                self.refs[name] = {t: by_vertices[vertices] for t, vertices in self.oracle.tetras.items()}
 
     def pick(self, number):
         ids = list(self.oracle.tetras)
@@ -62,10 +69,13 @@ class AllTogether(RuleBasedStateMachine):
             for net in self.nets.values():
                 with pytest.raises(InputError):
                     net.insert(*vertices)
+            self.find_anew()
             return
         t = self.oracle.insert(vertices)
         for name, net in self.nets.items():
             self.refs[name][t] = net.insert(*vertices)
+            assert net.vertices_of(self.refs[name][t]) == vertices
+        self.find_anew()
 
     @rule(number=PICK)
     def split(self, number):
@@ -75,11 +85,19 @@ class AllTogether(RuleBasedStateMachine):
         children = self.oracle.split(t)
         for name, net in self.nets.items():
             assert net.split([self.refs[name][t]]) == (0 if children else 1)
-            if children:
+            if children and net.contestant.stable_refs:
                 del self.refs[name][t]
                 by_vertices = {net.vertices_of(ref): ref for ref in net.refs.tolist()}
                 for child in children:
                     self.refs[name][child] = by_vertices[self.oracle.tetras[child]]
+        self.find_anew()
+
+    @rule()
+    def collect(self):
+        for net in self.nets.values():
+            assert not (net.collect() and net.contestant.stable_refs)
+            assert not net.collect()  # nothing is left
+        self.find_anew()
 
     @rule(point=st.tuples(COORDINATE, COORDINATE, COORDINATE))
     def insert_point(self, point):
