@@ -16,7 +16,7 @@ from functools import partial
 
 import numpy as np
 
-from tetrabench.backends.tetra.halfface import topology as halfface
+from tetrabench.backends.tetra.halfface.topology import make_halfface_net
 from tetrabench.backends.tetra.layouts.linked_nodes import make_linked_nodes
 from tetrabench.backends.tetra.layouts.property_arrays import make_property_arrays
 from tetrabench.backends.tetra.layouts.records import make_records
@@ -59,7 +59,7 @@ HALFFACE = TetraContestant(
     name="halfface",
     title="half-faces and attributes, deletions collected",
     trade_off="least memory, local queries without lists; refs change when deleted tetras are collected",
-    build=halfface.build,
+    build=make_halfface_net,
     layout="half-faces and attributes",
     slots="flags, collected",
     source="D. Hromádka, thesis, Brno 2013, chapter 5",

@@ -48,7 +48,7 @@ from tetrabench.tetra.points import COUNT, EDITS, STALE, grown, make_points
 TABLE = 2  # entries of a walk's table for one of its queue, and their number is a power of two
 
 
-def build(mesh: TetraMesh) -> Net:
+def make_halfface_net(mesh: TetraMesh) -> Net:
     """The net of a mesh, with exactly the room that it needs.
 
     Raises:
