@@ -178,6 +178,19 @@ def test_delete_leaves_a_sound_net_and_small_models_a_smaller_count(name, model)
     scenario.run(deletion)
     assert scenario.work(deletion, None).items == whole // 2 == whole - len(deletion.net)
     assert deletion.net.check() == []
+    assert not deletion.net.collect()  # what deletions leave is finished inside what is timed
+
+
+@pytest.mark.parametrize("name", CONTESTANTS)
+def test_what_delete_left_for_later_is_there_when_explode_begins(name, model):
+    scenario = registry.scenario("tetra", "explode")
+    contestant = registry.contestant("tetra", name)
+    stage = FAMILY.stage(contestant, model, chained=False)
+    explosion = scenario.prepare(stage, scenario.options)
+    assert explosion.net.collect() == (not contestant.stable_refs)
+    explosion = scenario.prepare(stage, scenario.options)
+    assert scenario.run(explosion) == 0
+    assert not explosion.net.collect()
 
 
 def test_locate_finds_the_tetra_it_was_made_in(model):
