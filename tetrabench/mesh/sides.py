@@ -134,7 +134,7 @@ def _distribute(tets: Any, starts: Any, sides: Any) -> Any:
 
 
 @kernel(allocates=False, inline=True)
-def ascending(a: int, b: int, c: int, d: int) -> tuple[Any, Any, Any, Any]:
+def ascending(a: Any, b: Any, c: Any, d: Any) -> tuple[Any, Any, Any, Any]:
     """The vertices of a tetra in ascending order, each as 4 * vertex + its number in the tetra."""
     a, b = np.int64(a) << 2, np.int64(b) << 2 | 1
     c, d = np.int64(c) << 2 | 2, np.int64(d) << 2 | 3

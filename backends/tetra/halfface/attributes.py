@@ -1,4 +1,4 @@
-"""Values that belong to elements: dense, one for each, or sparse, for a few. Source: thesis, 5.5.5; sparse ones are its wish."""
+"""Values of elements: dense, one for each, or sparse, for a few. Source: thesis, 5.5.5; sparse ones are its wish."""
 
 from collections.abc import Callable, Hashable, Iterator
 from typing import Any

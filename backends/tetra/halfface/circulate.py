@@ -3,6 +3,8 @@
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
+
 from tetrabench.backends.tetra.halfface.handles import Tetrahedron
 from tetrabench.backends.tetra.halfface.storage import (
     NONE,
@@ -61,12 +63,11 @@ def list_around_edge(mesh: HalfFaces, t: int, a: int, b: int, found: Any) -> Any
 @kernel(allocates=False)
 def _border_face(mesh: HalfFaces, t: int, a: int, b: int, entered: int) -> Any:
     """The half-face at the edge (a, b) of tetra t, not the one it was entered by, that is opposite the border."""
-    found = NONE
     for x in range(4):
         lacking = vertex_at(mesh, t, 3 - x)
         if x != entered and lacking != a and lacking != b and is_border(mesh, opposite_of(mesh, t, x)):
-            found = x if found == NONE else found
-    return found
+            return np.int64(x)
+    return NONE
 
 
 class Circulator:

@@ -20,8 +20,8 @@ BORDER, INNER = 0, 1
 DELETED, SPECIAL = 5, 6
 """Further extensions of what a vertex says: deleted, with the next deleted one as base; isolated (base 0) or non-manifold."""
 
-EXTENSIONS = 3
-"""Bits of an extension."""
+FLAG = 4
+"""In the extension of a tetra's first vertex: the delete flag."""
 
 WORDS = {32: np.uint32, 64: np.int64}
 """The type of a word, by its bits."""

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from tetrabench.backends.tetra.halfface.compound import compound, extension_of
+from tetrabench.backends.tetra.halfface.compound import FLAG, compound, extension_of
 from tetrabench.backends.tetra.halfface.permutations import sorted_with_number
 from tetrabench.backends.tetra.halfface.storage import (
     BORDERS,
@@ -296,7 +296,7 @@ def remove_vertex(mesh: HalfFaces, v: int) -> None:
 def set_delete_flag(mesh: HalfFaces, t: int, value: bool) -> None:
     """Flag tetra t as one to be collected, or take the flag away."""
     if value != is_flagged(mesh, t):
-        mesh.connectivity[t, 0] = np.int64(mesh.connectivity[t, 0]) ^ compound(mesh.connectivity, 0, 4)
+        mesh.connectivity[t, 0] = np.int64(mesh.connectivity[t, 0]) ^ compound(mesh.connectivity, 0, FLAG)
         mesh.counters[FLAGGED] += 1 if value else -1
 
 

@@ -241,8 +241,8 @@ class HalfFaceMesh(Mesh):
         for t in range(before, self.n_tetrahedra) if sparse else ():
             for halfface in self.tetrahedron_to_halffaces(Tetrahedron(t)):
                 if not self._is_border(self.get_opposite_halfface(halfface)):  # then nothing is on the border any more
-                    for attribute in sparse:
-                        attribute.forget(self.halfface_to_vertices(halfface))
+                    for values in sparse:
+                        values.forget(self.halfface_to_vertices(halfface))
 
     def _fit_border(self, before: int) -> None:
         """New half-faces on the border are those of the tetras from `before` on."""

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tetrabench.backends.tetra.halfface import audit, collect, edit, find, queries, storage
 from tetrabench.backends.tetra.halfface.circulate import Circulator, list_around_edge
-from tetrabench.backends.tetra.halfface.compound import BORDER, DELETED, INNER, refuse_beyond
+from tetrabench.backends.tetra.halfface.compound import BORDER, DELETED, FLAG, INNER, refuse_beyond
 from tetrabench.backends.tetra.halfface.handles import (
     INVALID,
     Edge,
@@ -121,10 +121,14 @@ class Mesh:
 
     def _live(self, element: Element, begin: int, end: int) -> NDArray[np.bool_]:
         """Which of the indices begin..end - 1 of a kind are neither deleted, flagged nor free: (end - begin,) bool."""
-        if element == Element.TETRAHEDRON:
-            return (self._faces.connectivity[begin:end, 0].astype(np.int64) >> self._bits) < 4
-        words = self._faces.v2hf if element == Element.VERTEX else self._faces.bhf2hf
-        return (words[begin:end].astype(np.int64) >> self._bits) != DELETED
+        words = {
+            Element.TETRAHEDRON: self._faces.connectivity[:, 0],
+            Element.VERTEX: self._faces.v2hf,
+            Element.BORDER_HALFFACE: self._faces.bhf2hf,
+        }[element]
+        extensions = words[begin:end].astype(np.int64) >> self._bits
+        live: NDArray[np.bool_] = extensions < FLAG if element == Element.TETRAHEDRON else extensions != DELETED
+        return live
 
     @property
     def connectivity(self) -> NDArray[np.int64]:

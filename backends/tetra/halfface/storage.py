@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from tetrabench.backends.tetra.halfface.compound import (
     BORDER,
     DELETED,
+    FLAG,
     INNER,
     SPECIAL,
     WORDS,
@@ -188,7 +189,7 @@ def vertex_as_given(mesh: HalfFaces, t: int, i: int) -> Any:
 @kernel(allocates=False, inline=True)
 def is_flagged(mesh: HalfFaces, t: int) -> Any:
     """Whether tetra t has the delete flag."""
-    return extension_of(mesh.connectivity, mesh.connectivity[np.uint64(t), 0]) >= 4
+    return extension_of(mesh.connectivity, mesh.connectivity[np.uint64(t), 0]) >= FLAG
 
 
 @kernel(allocates=False, inline=True)
@@ -331,17 +332,6 @@ def add_record(mesh: HalfFaces, v: int, halfface: int) -> None:
         else:
             following = _take_record(mesh, word, NONE)
         mesh.v2hf[v] = compound(mesh.v2hf, 1 + _take_record(mesh, halfface, following), SPECIAL)
-
-
-@kernel(allocates=False)
-def drop_records(mesh: HalfFaces, v: int) -> None:
-    """Make vertex v isolated."""
-    record, place = first_record(mesh, v)
-    while place != NONE:
-        here = place
-        record, place = next_record(mesh, place)
-        free_record(mesh, here)
-    mesh.v2hf[v] = isolated(mesh)
 
 
 @kernel(allocates=False)

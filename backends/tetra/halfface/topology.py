@@ -1,4 +1,4 @@
-"""The contestant's incidence: a half-face storage, in which deleted tetras wait for `collect`, and many splits are a conjoin."""
+"""The contestant's incidence: a half-face storage. Deleted tetras wait for `collect`, and many splits are one conjoin."""
 
 from typing import Any
 
