@@ -457,6 +457,15 @@ def test_no_handles_at_all():
         assert ElementSet(VERTEX, nothing) == ElementMultiset(VERTEX)
 
 
+@pytest.mark.parametrize("symbol", OPERATORS)
+def test_algebra_with_an_empty_operand(symbol):
+    for a in (ElementSet(VERTEX, [1, 5]), ElementMultiset(VERTEX, [1, 1, 5])):
+        for nothing in (ElementSet(VERTEX), ElementMultiset(VERTEX), a - a):
+            check_answers(symbol(a, nothing), OPERATORS[symbol](Counter(list(a)), Counter()))
+            check_answers(symbol(nothing, a), OPERATORS[symbol](Counter(), Counter(list(a))))
+            check_answers(symbol(nothing, nothing), Counter())
+
+
 @pytest.mark.parametrize("question", [1.0, True, None, "1", np.array([1])])
 def test_asking_for_what_is_no_handle(question):
     a = ElementSet(VERTEX, [1])
