@@ -133,7 +133,7 @@ def pinched():
 
 
 def box():
-    mesh = generate("box", 48, seed=1)
+    mesh = generate("box", 24, seed=1)
     return Connectivity(mesh.tets, len(mesh.points))
 
 
