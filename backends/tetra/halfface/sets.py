@@ -3,7 +3,7 @@
 Source: thesis, 5.5.8 and 5.8; the lazy algebra is its wish (8.5.3).
 
 A set or multiset holds a `Block`, maybe together with others. What is inserted waits there in a tail until `commit()`. All
-but `size` (`len`), `is_committed` and `commit` see the committed part alone. A block may hold a handle several times: a
+questions but `size` (`len`) and `is_committed` see the committed part alone. A block may hold a handle several times: a
 multiset has it so often, a set once.
 
 `a | b`, `a & b`, `a ^ b` and `a - b` are expressions: they hold their operands and no handles. Each question to one looks
