@@ -8,6 +8,7 @@ import pytest
 from tests.meshes import box
 from tetrabench import registry
 from tetrabench.backends.tetra import CONTESTANTS as OURS
+from tetrabench.backends.tetra.halfface.storage import HalfFaces
 from tetrabench.backends.tetra.layouts.linked_nodes import NODE
 from tetrabench.tetra.net import TetraNet
 
@@ -75,6 +76,8 @@ def test_every_damage_is_found(name):
     assert net.check() == []
     missed = []
     for part in net.storage:
+        if isinstance(part, HalfFaces):
+            continue  # each of its words is damaged in tests/halfface
         for field, array in part._asdict().items():
             if not isinstance(array, np.ndarray):
                 continue
