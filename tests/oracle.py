@@ -57,6 +57,16 @@ class OracleNet:
             return -inf
         return min(signed_volume(*(x if j == i else corners[j] for j in range(4))) / whole for i in range(4))
 
+    def middle(self):
+        """The first tetra whose centroid is nearest to that of the net, weighted by volume; its volume; that centroid."""
+        whole = sum(self.volume(t) for t in self.tetras)
+        if whole == 0:
+            return None, 0.0, (0.0, 0.0, 0.0)
+        centre = tuple(sum(self.volume(t) * self.centroid(t)[k] for t in self.tetras) / whole for k in range(3))
+        away = {t: minus(self.centroid(t), centre) for t in self.tetras}
+        nearest = min(self.tetras, key=lambda t: dot(away[t], away[t]))
+        return nearest, self.volume(nearest), centre
+
     # ------------------------------------------------------------------ changes
 
     def can_insert(self, vertices):
