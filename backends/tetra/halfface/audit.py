@@ -19,7 +19,7 @@ CHECKS = {
     "chains": "a chain of free entries does not hold each of them once",
     "vertices": "a tetra has a vertex that is none, or not in ascending order, or no permutation",
     "twins": "two tetras have the same four vertices",
-    "adjacency": "opposite half-faces are not mutual, or have other vertices, or two with the same vertices are not opposite",
+    "adjacency": "opposite half-faces are not mutual, or have other vertices, or one face has several, or more than two tetras",
     "access": "a vertex does not have one access half-face for each component of its tetras",
     "border": "an access half-face is not on the border though there is one there",
 }
@@ -38,11 +38,21 @@ def audit(mesh: HalfFaces) -> list[str]:
     vertices = _bases(mesh.connectivity, mesh)[: mesh.counters[storage.TETRAS]]
     if not _vertices_are_sound(mesh, vertices):
         return [*faults, "vertices"]
-    if len(np.unique(vertices, axis=0)) < len(vertices):
+    if np.bincount(vertices.ravel()).max(initial=0) > mesh.counters[storage.LARGEST_FAN]:
+        faults.append("counters")
+    if _most_alike(vertices) > 1:
         faults.append("twins")
     if not _adjacency_is_sound(mesh, vertices):
         return [*faults, "adjacency"]
     return faults + ([] if "chains" in faults else _access_faults(mesh, vertices))
+
+
+def _most_alike(rows: Ints) -> int:
+    """How often the row comes that comes most often. (numpy's own way with rows takes ten times as long.)"""
+    keys = np.zeros(len(rows), np.int64)
+    for column in rows.T:  # a number for each beginning of a row
+        keys = np.unique(keys * (column.max(initial=0) + 1) + column, return_inverse=True)[1]
+    return int(np.bincount(keys).max(initial=0))
 
 
 def _bits(mesh: HalfFaces) -> int:
@@ -74,9 +84,8 @@ def _counters_are_sound(mesh: HalfFaces) -> bool:
     if not all(0 <= counters[place] <= limit for place, limit in within) or len(mesh.table) < 2 * len(mesh.queue):
         return False
     live = mesh.connectivity[: counters[storage.TETRAS]]
-    fans = np.bincount(_bases(live, mesh).ravel(), minlength=1) if _bases(live, mesh).size else np.zeros(1)
     flagged = int((_extensions(live[:, 0], mesh) >= 4).sum())
-    return bool(flagged == counters[storage.FLAGGED] and fans.max() <= counters[storage.LARGEST_FAN])
+    return bool(flagged == counters[storage.FLAGGED])
 
 
 def _chains_are_sound(mesh: HalfFaces) -> bool:
@@ -137,7 +146,8 @@ def _adjacency_is_sound(mesh: HalfFaces, vertices: Ints) -> bool:
     return bool(
         np.array_equal(np.sort(base[t, x]), live)
         and (there[base[t, x]] == own[t, x]).all()
-        and len(np.unique(alone, axis=0)) == len(alone)
+        and _most_alike(alone) <= 1
+        and _most_alike(faces.reshape(-1, 3)) <= 2
         and np.array_equal(mesh.vborders[: mesh.counters[storage.VERTICES]], counted)
     )
 
