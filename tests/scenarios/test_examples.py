@@ -90,7 +90,7 @@ def test_no_volume_no_middle(name, tets):
         middle, answer = sample_of(net)
         assert middle == (NONE, 0.0, 0.0, 0.0, 0.0)
         assert answer.figures["volume"] == 0.0
-    assert answer.digest != sample_of(net_of(MESHES["one"](), name))[1].digest
+    assert answer.digest != sample_of(net_of(MESHES["single"](), name))[1].digest
 
 
 @pytest.mark.parametrize("name", CONTESTANTS)
