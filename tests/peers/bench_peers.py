@@ -18,6 +18,7 @@ from typing import Any
 sys.path.insert(0, str(Path(__file__).parents[2]))  # this is a script: where the package tests is
 
 from contests import ROWS, Case
+from examples import EXAMPLES
 from peers import MODULES, MissingPeerError, load_peer, peer_version
 
 from tests.contest import HEADING, Progress, Row, contend, prepare, rows_of, turns_by_peer
@@ -61,7 +62,7 @@ def main() -> int:
     options = parser.parse_args()
     try:
         options.turns_of = turns_by_peer(options.turns, MODULES, "meshio=7")
-        wanted = rows_of(ROWS, set(filter(None, options.only.split(","))))
+        wanted = rows_of(ROWS + EXAMPLES, set(filter(None, options.only.split(","))))
     except ValueError as error:
         parser.error(str(error))
     if min(options.tets, options.queries) < 100:

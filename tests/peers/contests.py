@@ -17,6 +17,8 @@ from tetrabench.scenarios.tetra.locate import points_near_sides
 from tetrabench.tetra.nearest import build_tree, nearest_points
 from tetrabench.tetra.net import TetraNet
 
+V3Y = next(contestant for contestant in CONTESTANTS if contestant.name == "v3y")
+
 ON_A_SIDE = 1e-9
 """How far outside a tetra, as a part of its volume, a point may lie that is said to be in it."""
 
@@ -38,7 +40,7 @@ class Case:
     @cached_property
     def net(self) -> TetraNet:
         """The mesh on V3Y; its refs are the rows of `mesh.tets`."""
-        net = TetraNet(self.mesh, next(contestant for contestant in CONTESTANTS if contestant.name == "v3y"))
+        net = TetraNet(self.mesh, V3Y)
         assert (net.refs == np.arange(len(net))).all()
         return net
 
@@ -80,8 +82,8 @@ def read_beside_gmsh(field: str, case: Case, gmsh: Any) -> Contest:
         order = np.argsort(ids)
         rows = order[np.searchsorted(ids, vertices, sorter=order)].reshape(-1, 4)
         return (
-            _unequal(ids, ours.point_ids, "ids of the points")
-            or _unequal(tet_ids, ours.tet_ids, "ids of the tetras")
+            unequal(ids, ours.point_ids, "ids of the points")
+            or unequal(tet_ids, ours.tet_ids, "ids of the tetras")
             or _different_meshes(ours, xyz.reshape(-1, 3), rows)
         )
 
@@ -98,7 +100,7 @@ def read_beside_meshio(field: str, case: Case, meshio: Any) -> Contest:
 
 
 def _different_meshes(ours: Any, points: Any, tets: Any) -> str:
-    return _unequal(points, ours.points, "coordinates") or _unequal(tets, ours.tets, "vertices of the tetras")
+    return unequal(points, ours.points, "coordinates") or unequal(tets, ours.tets, "vertices of the tetras")
 
 
 # ---- tables
@@ -109,7 +111,7 @@ def sides_beside_libigl(case: Case, igl: Any) -> Contest:
     opposite = [3, 2, 0, 1]  # the vertex opposite each of its faces 012, 013, 123, 203
 
     def differ(ours: Any, theirs: Any) -> str:
-        return _unequal(theirs[0], ours[:, opposite], "side neighbours")
+        return unequal(theirs[0], ours[:, opposite], "side neighbours")
 
     return Contest(partial(side_neighbours, case.mesh.tets), partial(igl.tet_tet_adjacency, tets), differ)
 
@@ -126,7 +128,7 @@ def vertex_tetras_beside_scipy(case: Case, scipy: Any) -> Contest:
     def differ(ours: Any, theirs: Any) -> str:
         starts, rows = ours
         vertices = np.repeat(np.arange(points), np.diff(starts))
-        return _unequal(theirs.indptr, starts, "numbers of tetras around the points") or _unequal(
+        return unequal(theirs.indptr, starts, "numbers of tetras around the points") or unequal(
             np.sort(vertices << 32 | theirs.indices), np.sort(vertices << 32 | rows), "tetras around the points"
         )
 
@@ -191,22 +193,22 @@ def locate_beside_vtk(case: Case, pyvista: Any) -> Contest:
 def misplaced(case: Case, rows: Any, who: str) -> str:
     """How many query points do not lie in the tetra that they are said to be in."""
     corners = case.mesh.points[case.mesh.tets[rows]]
-    whole = _volumes(corners)
+    whole = six_volumes(corners)
     inside = rows >= 0
     for i in range(4):
         moved = corners.copy()
         moved[:, i] = case.queries
-        inside &= _volumes(moved) * np.sign(whole) >= -ON_A_SIDE * np.abs(whole)
+        inside &= six_volumes(moved) * np.sign(whole) >= -ON_A_SIDE * np.abs(whole)
     return "" if inside.all() else f"{who} find {(~inside).sum()} of {len(rows)} points in a wrong tetra"
 
 
-def _volumes(corners: Any) -> Any:
+def six_volumes(corners: Any) -> Any:
     """Six times the signed volumes of tetras (n, 4, 3)."""
     edges = corners[:, 1:] - corners[:, :1]
     return np.einsum("ij,ij->i", edges[:, 0], np.cross(edges[:, 1], edges[:, 2]))
 
 
-def _unequal(theirs: Any, ours: Any, what: str) -> str:
+def unequal(theirs: Any, ours: Any, what: str) -> str:
     if theirs.shape != ours.shape:
         return f"{what}: {theirs.shape} beside our {ours.shape}"
     return "" if (theirs == ours).all() else f"{what} differ in {(theirs != ours).sum()} places"

@@ -23,6 +23,8 @@ MODULES = {
     "scipy": "scipy",
     "pynanoflann": "pynanoflann",
     "pyvista": "pyvista",
+    "scikit-fem": "skfem",
+    "numpy": "numpy",
 }
 """The distribution of each peer and its module."""
 

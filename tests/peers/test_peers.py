@@ -12,6 +12,7 @@ import bench_peers
 import numpy as np
 import pytest
 from contests import ROWS, Case, misplaced
+from examples import EXAMPLES
 from peers import MODULES, MissingPeerError, load_peer
 
 from tests.contest import line
@@ -30,7 +31,7 @@ def test_all_rows_from_answers_to_json(tmp_path):
     done = bench(*SMALL, "-o", str(result))
     assert done.returncode == 0, done.stdout + done.stderr
     document = json.loads(result.read_text())
-    assert {row["peer"] for row in document["rows"]} | set(document["missing"]) == {row.peer for row in ROWS}
+    assert {row["peer"] for row in document["rows"]} | set(document["missing"]) == {row.peer for row in ROWS + EXAMPLES}
     assert not {row["peer"] for row in document["rows"]} & set(document["missing"])
     for row in document["rows"]:
         assert line(row) in done.stdout
@@ -124,3 +125,58 @@ def test_the_judge_of_located_points(case):
     assert misplaced(case, rows, "we") == ""
     rows[3], rows[5] = -1, rows[6]
     assert misplaced(case, rows, "they") == "they find 2 of 50 points in a wrong tetra"
+
+
+# ---- the examples of the half-face thesis
+
+
+def example(operation, peer, case):
+    """The contest, with the peer's module where it is installed."""
+    try:
+        module = load_peer(peer)
+    except MissingPeerError:
+        pytest.skip(f"{peer} is not installed")
+    row = next(row for row in EXAMPLES if (row.operation, row.peer) == (operation, peer))
+    return row.contest(case, module)
+
+
+@pytest.mark.parametrize("peer", ["meshio", "scikit-fem", "scipy"])
+@pytest.mark.parametrize("operation", ["centroid", "centroid-hf"])
+def test_the_middle_of_a_mesh_beside_each_peer(operation, peer, case):
+    contest = example(operation, peer, case)
+    ours, theirs = contest.ours(), contest.theirs()
+    assert contest.differ(ours, theirs) == ""
+    assert "beside our" in contest.differ(ours, theirs * (1 + 1e-11))
+    others = np.delete(case.net.volumes, np.abs(case.net.volumes - ours).argmin())
+    assert all(contest.differ(ours, other) for other in others)  # a volume tells who was found
+
+
+@pytest.mark.parametrize("operation", ["generate", "generate-hf"])
+def test_the_judge_of_cubes_by_formula(operation, case):
+    contest = example(operation, "numpy", case)
+    ours, theirs = contest.ours(), contest.theirs()
+    assert contest.differ(ours, theirs) == ""
+    theirs[7, 2] += 1
+    assert contest.differ(ours, theirs) == "side neighbours differ in 1 places"
+
+
+def test_the_judge_of_cubes_of_scikit_fem(case):
+    contest = example("generate", "scikit-fem", case)
+    ours, (points, tets, pairs) = contest.ours(), contest.theirs()
+    assert contest.differ(ours, (points, tets, pairs)) == ""
+    wrong = pairs.copy()
+    inner = np.flatnonzero(pairs[1] >= 0)
+    wrong[1, inner[7]] = wrong[1, inner[8]]
+    assert "pairs of tetras differ" in contest.differ(ours, (points, tets, wrong))
+    assert "pairs of tetras" in contest.differ(ours, (points, tets, pairs[:, 1:]))
+    assert "pairs of tetras differ" in contest.differ(ours, ([[1], [0], [0]] - points * [[1], [-1], [-1]], tets, pairs))
+
+
+def test_the_judge_of_delaunay_cubes(case):
+    contest = example("generate", "scipy", case)
+    ours, (points, tets, neighbours) = contest.ours(), contest.theirs()
+    assert contest.differ(ours, (points, tets, neighbours)) == ""
+    assert "a volume of" in contest.differ(ours, (points * 1.001, tets, neighbours))
+    neighbours = neighbours.copy()
+    neighbours[tuple(np.argwhere(neighbours >= 0)[7])] = -1
+    assert "1729 sides on the surface beside our 1728" in contest.differ(ours, (points, tets, neighbours))
