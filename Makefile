@@ -10,7 +10,7 @@ BASE ?= $(shell git rev-parse --quiet --verify origin/main >/dev/null && echo or
 GATE = --model nozzle --tets 30k --backend v3y,v4 --scenario alfa,flow
 FORMAT ?= table
 
-.PHONY: run test test-all lint types bench-native bench-peers gate gate-selftest measuring schema fuzz results reference screenshots thesis clean help
+.PHONY: run test test-all lint types bench-native bench-peers bench-cgal gate gate-selftest measuring schema fuzz results reference screenshots thesis clean help
 
 help:            ## list the targets
 	@grep -E '^[a-z-]+: .*##|^[a-z-]+: *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 16
@@ -51,6 +51,10 @@ bench-native: $(VENV)/developing  ## our kernels beside C on the same arrays (ne
 bench-peers: $(VENV)/peers  ## our bulk operations beside packages from PyPI (a quarter of an hour; gmsh needs some system libraries)
 	@mkdir -p $(OUT)
 	$(BIN)/python tests/peers/bench_peers.py -o $(OUT)/peers.json
+
+bench-cgal: $(VENV)/developing  ## our half-face kernel beside CGAL and plain C++ (ten minutes; needs g++, libcgal-dev)
+	@mkdir -p $(OUT)
+	$(BIN)/python -m tests.cgal --turns cgal-call=7 --picture $(OUT)/one-to-all.svg -o $(OUT)/cgal.json
 
 measuring: $(VENV)/measuring  ## is the harness to be believed? beside pyperf, pytest-benchmark, hyperfine (hours; needs hyperfine)
 	$(BIN)/python -m tests.measuring

@@ -11,6 +11,7 @@ from tests.cgal.kernels import cube, nearest_to_centroid, touch_all, walk_all
 from tests.cgal.library import Held, at, neighbours
 from tests.contest import Contest, Row
 from tetrabench.backends.tetra.halfface import Element, HalfFaceMesh
+from tetrabench.backends.tetra.halfface.compound import base_mask
 from tetrabench.backends.tetra.halfface.storage import HalfFaces
 from tetrabench.mesh.models import generate
 
@@ -108,8 +109,8 @@ def with_coordinates(mesh: HalfFaceMesh, xyz: NDArray[np.float64]) -> HalfFaceMe
 
 def our_neighbours(mesh: HalfFaceMesh, tets: NDArray[np.int32]) -> NDArray[np.int64]:
     """(n, 4) int64, the tetra behind the side opposite each vertex, -1 where there is none."""
-    words = mesh.storage.adjacency.astype(np.int64)
-    behind = np.where(words >> 29 == 0, -1, words & (1 << 29) - 1)
+    words, largest = mesh.storage.adjacency.astype(np.int64), int(base_mask(mesh.storage.adjacency))
+    behind = np.where(words <= largest, -1, words & largest)  # on the border the extension is 0
     return np.take_along_axis(behind, 3 - tets.argsort(axis=1).argsort(axis=1), axis=1)
 
 
@@ -268,10 +269,17 @@ def walk_beside_cgal(kernel: Callable[..., Any], case: Case, functions: Any) -> 
 def edit_beside_cgal(add: bool, case: Case, functions: Any) -> Contest:
     """Flag some tetras and collect, or add them again, beside as many pairs of delete_cell and create_cell.
 
-    Ours begins each time with a copy of the same arrays.
+    Ours begins each time with a copy of the same arrays. CGAL's structure is as it was after each pair, but goes on with
+    other cells each time, drawn after a look at all of them: neither finds in the cache what it did the last time.
     """
     bare = Held(functions.bare_build(at(case.tets), len(case.tets), case.vertices), functions.bare_free)
-    functions.bare_choose(bare.pointer, at(case.edited), len(case.edited))
+    rng = np.random.default_rng(20130522)
+
+    def choose() -> None:
+        others = rng.permutation(len(case.tets))[: len(case.edited)]
+        functions.bare_choose(bare.pointer, at(others), len(others))
+
+    choose()
     mesh = case.construct()
     if add:
         mesh.set_delete_flags(case.edited)
@@ -279,7 +287,7 @@ def edit_beside_cgal(add: bool, case: Case, functions: Any) -> Contest:
     pristine, rows = copied(mesh.storage), case.tets[case.edited]
 
     def fresh() -> None:
-        mesh._faces = copied(pristine)
+        mesh._faces = copied(pristine)  # what no user can: to go back
 
     def ours() -> HalfFaceMesh:
         if add:
@@ -295,7 +303,7 @@ def edit_beside_cgal(add: bool, case: Case, functions: Any) -> Contest:
         wanted = case.tets if add else np.delete(case.tets, case.edited, axis=0)
         return unequal(in_order(ours.connectivity), in_order(wanted), "tetras") or unsound(ours)
 
-    return Contest(ours, lambda: functions.bare_replace(bare.pointer), differ, fresh=fresh)
+    return Contest(ours, lambda: functions.bare_replace(bare.pointer), differ, tidy=choose, fresh=fresh)
 
 
 def copied(faces: HalfFaces) -> HalfFaces:

@@ -9,19 +9,23 @@
 
 namespace {
 
-struct Tetra {
-    double volume, x, y, z;  // of its centroid
+struct Place {
+    double x, y, z;
 };
 
-Tetra shape(const std::int32_t* tet, const double* xyz) {
+double volume_of(const std::int32_t* tet, const double* xyz) {
     const double *p = xyz + 3 * std::int64_t(tet[0]), *q = xyz + 3 * std::int64_t(tet[1]);
     const double *r = xyz + 3 * std::int64_t(tet[2]), *s = xyz + 3 * std::int64_t(tet[3]);
     const double ax = q[0] - p[0], ay = q[1] - p[1], az = q[2] - p[2];
     const double bx = r[0] - p[0], by = r[1] - p[1], bz = r[2] - p[2];
     const double cx = s[0] - p[0], cy = s[1] - p[1], cz = s[2] - p[2];
-    const double volume = (ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)) / 6;
-    return {std::fabs(volume), (p[0] + q[0] + r[0] + s[0]) / 4, (p[1] + q[1] + r[1] + s[1]) / 4,
-            (p[2] + q[2] + r[2] + s[2]) / 4};
+    return std::fabs(ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)) / 6;
+}
+
+Place centroid_of(const std::int32_t* tet, const double* xyz) {
+    const double *p = xyz + 3 * std::int64_t(tet[0]), *q = xyz + 3 * std::int64_t(tet[1]);
+    const double *r = xyz + 3 * std::int64_t(tet[2]), *s = xyz + 3 * std::int64_t(tet[3]);
+    return {(p[0] + q[0] + r[0] + s[0]) / 4, (p[1] + q[1] + r[1] + s[1]) / 4, (p[2] + q[2] + r[2] + s[2]) / 4};
 }
 
 }  // namespace
@@ -36,16 +40,17 @@ void plain_sides(const std::int32_t* tets, std::int64_t n, std::int64_t vertices
 double plain_centroid(const std::int32_t* tets, std::int64_t n, const double* xyz) {
     double whole = 0, x = 0, y = 0, z = 0;
     for (std::int64_t t = 0; t < n; ++t) {
-        const Tetra tetra = shape(tets + 4 * t, xyz);
-        whole += tetra.volume;
-        x += tetra.volume * tetra.x, y += tetra.volume * tetra.y, z += tetra.volume * tetra.z;
+        const double volume = volume_of(tets + 4 * t, xyz);
+        const Place at = centroid_of(tets + 4 * t, xyz);
+        whole += volume;
+        x += volume * at.x, y += volume * at.y, z += volume * at.z;
     }
     x /= whole, y /= whole, z /= whole;
     double least = std::numeric_limits<double>::infinity(), found = 0;
     for (std::int64_t t = 0; t < n; ++t) {
-        const Tetra tetra = shape(tets + 4 * t, xyz);
-        const double dx = tetra.x - x, dy = tetra.y - y, dz = tetra.z - z, distance = dx * dx + dy * dy + dz * dz;
-        if (distance < least) least = distance, found = tetra.volume;
+        const Place at = centroid_of(tets + 4 * t, xyz);
+        const double dx = at.x - x, dy = at.y - y, dz = at.z - z, distance = dx * dx + dy * dy + dz * dz;
+        if (distance < least) least = distance, found = volume_of(tets + 4 * t, xyz);
     }
     return found;
 }

@@ -18,7 +18,7 @@ from tetrabench.bench.memory import WEIGHING, private_bytes
 
 WAYS = ("half-face", "cgal")
 BAR = 36.0
-"""Bytes a tetra of the half-face kernel, of 623,000."""
+"""Bytes a tetra of the half-face kernel, of 623,000: retained, and by its own count."""
 
 HEADING = "structure     numbering     tetras   retained    by its own count   bar   (bytes a tetra)"
 
@@ -31,7 +31,8 @@ def weigh(way: str, library: Path, tets: int, numbering: str) -> dict[str, Any]:
     row: dict[str, Any] = json.loads(done.stdout)
     bar = BAR if way == "half-face" else None
     per_tetra = None if row["retained"] is None else row["retained"] / row["tetras"]
-    met = None if bar is None or per_tetra is None else per_tetra <= bar
+    most = max(row["retained"] or 0, row["counted"]) / row["tetras"]
+    met = None if bar is None or per_tetra is None else most <= bar
     return {"structure": way, "numbering": numbering, **row, "per_tetra": per_tetra, "bar": bar, "met": met}
 
 
