@@ -29,6 +29,7 @@ from tetrabench.errors import InputError
 
 PICK = st.integers(0, 10**6)
 FOUR = st.tuples(PICK, PICK, PICK, PICK)
+NOBODY = np.empty((0, 4), np.int64)
 SMALL = sorted(set(MESHES) - {"box", "torus_link"})
 MOST_VERTICES = 12
 
@@ -74,6 +75,10 @@ class HalfFaces(RuleBasedStateMachine):
     def both(self, on_naive, on_mesh, naive=None, mesh=None):
         """A change on both sides; refused on one, it is refused on the other, and changes nothing."""
         naive, mesh = (self.naive, self.mesh) if mesh is None else (naive, mesh)
+        if mesh is not self.mesh:
+            mesh.add_tetrahedra(
+                NOBODY
+            )  # so that it knows the vertices of its main mesh, whatever becomes of the change
         before = [(each, words_of(each)) for each in (self.mesh, mesh)]
         try:
             on_naive(naive)
