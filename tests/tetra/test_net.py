@@ -202,11 +202,8 @@ def test_outgrown_storage_is_dead(build):
 
 
 @pytest.mark.parametrize("part", ["layout", "slots", "points", "incidence", "tree"])
-def test_a_net_that_there_is_no_memory_to_grow_stays_what_it_was(build, part, monkeypatch, request):
+def test_a_net_that_there_is_no_memory_to_grow_stays_what_it_was(build, part, monkeypatch):
     net = build(single())
-    if net.contestant.name == "halfface":
-        why = "its split_many outgrows the net before it has the memory for all that it needs"
-        request.applymarker(pytest.mark.xfail(strict=True, raises=ValueError, reason=why))
     digest = net.answer().digest
 
     def no_memory(*_):
@@ -347,3 +344,22 @@ def test_a_refused_edit_keeps_nothing_alive(build):
     gc.collect()
     assert arrays
     assert [array for array in arrays if array() is not None] == []
+
+
+def test_halfface_that_there_is_no_memory_to_split_stays_what_it_was(monkeypatch):
+    with TetraNet(box(), registry.contestant("tetra", "halfface")) as net:
+        digest, points = net.answer().digest, net.number_of_points
+
+        def no_memory(*_):
+            raise MemoryError
+
+        for name in ("construct", "_with_room"):
+            with monkeypatch.context() as patch:
+                patch.setattr(topology, name, no_memory)
+                with pytest.raises(MemoryError):
+                    net.split(net.refs[:4])
+            assert net.check() == []
+        assert net.number_of_points == points
+        assert net.answer().digest == digest
+        assert net.split(net.refs[:4]) == 0
+        assert net.check() == []

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 from numba.extending import register_jitable
+from numpy.typing import NDArray
 
 from tetrabench.backends.tetra.halfface.audit import audit
 from tetrabench.backends.tetra.halfface.collect import collect as collect_flagged
@@ -33,6 +34,7 @@ from tetrabench.backends.tetra.halfface.storage import (
     first_record,
     inner_of,
     is_flagged,
+    reserve,
     tetra_of,
 )
 from tetrabench.backends.tetra.halfface.walks import walk_fan
@@ -44,8 +46,6 @@ from tetrabench.tetra.interface import NONE, STATES, Net, centroid, is_live, set
 from tetrabench.tetra.memory import buffers
 from tetrabench.tetra.nearest import build_tree, make_stack
 from tetrabench.tetra.points import COUNT, EDITS, STALE, grown, make_points
-
-TABLE = 2  # entries of a walk's table for one of its queue, and their number is a power of two
 
 
 def make_halfface_net(mesh: TetraMesh) -> Net:
@@ -117,7 +117,7 @@ def insert_tetra(net, a, b, c, d):
 
 @kernel(allocates=False)
 def _insert_tetra(net: Net, a: int, b: int, c: int, d: int) -> Any:
-    _check_editable(net)
+    edit.check_editable(net)
     t = add_tetrahedron(net.incidence, a, b, c, d)
     if t < 0:
         if t == EQUAL:
@@ -149,7 +149,7 @@ def delete_tetra(net, t):
 
 @kernel(allocates=False)
 def _delete_tetra(net: Net, t: int) -> None:
-    _check_editable(net)
+    edit.check_editable(net)
     if not is_live(net, t):
         raise ValueError("there is no such tetra")
     set_delete_flag(net.incidence, t, True)
@@ -158,12 +158,6 @@ def _delete_tetra(net: Net, t: int) -> None:
         end -= 1
     net.slots.counters[END] = end
     net.points.counters[EDITS] += 1
-
-
-@kernel(allocates=False)
-def _check_editable(net: Net) -> None:
-    if net.points.counters[STALE] != 0:
-        raise ValueError("this storage was outgrown: go on with the net that reserve returned")
 
 
 @implements(interface.enter_point, HalfFaces)
@@ -231,26 +225,50 @@ def collect(net):
 @implements(interface.split_many, HalfFaces)
 def split_many(net, refs):
     """Flag the parents, collect them, and put all children in as one eventual mesh."""
-    net = edit.reserve(net, 0, len(refs))
-    children, states = np.empty((4 * len(refs), 4), np.int32), np.empty((len(refs), STATES))
-    split = int(_flag_parents(net, refs, children, states, make_stack()))
+    net, eventual, parents, states = _children(net, refs)
+    _delete_all(net, parents)
     net, _ = interface.collect(net)
     before = int(net.incidence.counters[TETRAS])
-    eventual = construct(children[: 4 * split], int(net.points.counters[COUNT]))
     mesh, refusal = conjoin(net.incidence, eventual)
     if refusal:
         raise RuntimeError("children do not fit where their parents were")  # unless the storage is damaged
     net = _with_topology(net, mesh)
-    net = net._replace(layout=_fitting(net.layout, len(mesh.connectivity)))
     net.slots.counters[END] = mesh.counters[TETRAS]
     _fill(net, before, states)
     net.points.counters[EDITS] += 1
-    return net, len(refs) - split
+    return net, len(refs) - len(parents)
+
+
+def _children(net: Net, refs: NDArray[np.int64]) -> tuple[Net, HalfFaces, NDArray[np.int64], NDArray[np.float64]]:
+    """Insert the centroids, and make an eventual mesh of all children.
+
+    Returns the net, with room for them; the eventual mesh; the tetras to be split, (n,) int64, and their states (n, 5).
+    Where there is no memory, the net stays what it was, but for points that there was room for.
+    """
+    stack, parents = make_stack(), np.empty(len(refs), np.int64)
+    children, states = np.empty((4 * len(refs), 4), np.int32), np.empty((len(refs), STATES))
+    grown_net = edit.reserve(net, 0, len(refs))
+    try:
+        split = int(_list_children(grown_net, refs, children, states, parents, stack))
+        eventual = construct(children[: 4 * split], int(grown_net.points.counters[COUNT]))
+        grown_net = _with_room(grown_net, 3 * split)
+    except MemoryError:
+        net.points.counters[STALE] = 0  # nothing of it was touched if it was outgrown
+        raise
+    return grown_net, eventual, parents[:split], states[:split]
+
+
+def _with_room(net: Net, tetras: int) -> Net:
+    """The net with room for so many more tetras."""
+    mesh = reserve(net.incidence, tetras=tetras, borders=tetras)
+    if len(mesh.connectivity) > len(net.layout.volume):
+        net = net._replace(layout=TetraFields(*(grown(field, len(mesh.connectivity)) for field in net.layout)))
+    return _with_topology(net, mesh)
 
 
 @kernel(allocates=False)
-def _flag_parents(net: Net, refs: Any, children: Any, states: Any, stack: Any) -> Any:
-    """Insert the centroids, flag the tetras, list their children and states; returns how many there are to split."""
+def _list_children(net: Net, refs: Any, children: Any, states: Any, parents: Any, stack: Any) -> Any:
+    """Insert the centroids, list parents, children and states; returns how many there are to split."""
     split = 0
     for t in refs:
         points = net.points.counters[COUNT]
@@ -261,9 +279,15 @@ def _flag_parents(net: Net, refs: Any, children: Any, states: Any, stack: Any) -
                     children[4 * split + i, j] = centre if i == j else vertex(net, t, j)
             for k in range(STATES):
                 states[split, k] = state(net, t, k)
-            _delete_tetra(net, t)
+            parents[split] = t
             split += 1
     return split
+
+
+@kernel(allocates=False)
+def _delete_all(net: Net, refs: Any) -> None:
+    for t in refs:
+        _delete_tetra(net, t)
 
 
 def _with_topology(net: Net, mesh: HalfFaces) -> Net:
@@ -274,13 +298,6 @@ def _with_topology(net: Net, mesh: HalfFaces) -> Net:
     net.points.counters[STALE] = 1
     mesh = mesh._replace(counters=mesh.counters.copy())
     return net._replace(incidence=mesh, points=points, slots=DeleteFlags(net.slots.counters.copy()))
-
-
-def _fitting(fields: TetraFields, capacity: int) -> TetraFields:
-    """The fields with room for as many tetras as the half-face storage has."""
-    if capacity <= len(fields.volume):
-        return fields
-    return TetraFields(*(grown(field, capacity) for field in fields))
 
 
 @buffers.register
