@@ -370,6 +370,18 @@ def test_refused_tetra_changes_nothing(mesh, naive):
             assert_untouched(mesh, before)
 
 
+def test_refused_tetra_does_not_even_change_a_bound(bits):
+    """However full the workspace of walks is, whose need is known by a bound that a refused tetra could make better."""
+    mesh = HalfFaceMesh(160, bits=bits)
+    for v in range(0, 160, 4):
+        mesh.add_tetrahedron(v, v + 1, v + 2, v + 3)
+        before = words_of(mesh)
+        with pytest.raises(InputError):
+            mesh.add_tetrahedron(0, 1, 2, 3)
+        assert_untouched(mesh, before)
+    assert mesh.check() == []
+
+
 def test_refused_with_its_reason(bits):
     mesh = HalfFaceMesh.construct_mesh([[0, 1, 2, 3], [0, 1, 2, 4]], 7, bits=bits)
     mesh.remove_vertex(6)
