@@ -225,7 +225,9 @@ def rows_of(rows: list[Row], words: set[str]) -> list[Row]:
     Raises:
         ValueError: a word that stands in no column.
     """
-    columns = [{row[k] for row in rows} for k in range(3)]  # operation, numbering, peer
+    columns: list[set[str]] = [
+        set(column) for column in list(zip(*rows, strict=True))[:3]
+    ]  # operation, numbering, peer
     strange = words - set().union(*columns)
     if strange:
         there = ", ".join(word for column in columns for word in sorted(column))

@@ -8,7 +8,8 @@ around each vertex in C++ ("table"; made each time: "table-made"). Then the cost
 ("curve"), and what the structures take in memory ("memory").
 
 "collect" flags and collects 20,000 tetras, "add" adds them again, each beside 20,000 pairs of CGAL's raw delete_cell and
-create_cell. "around" visits the tetras around all vertices and looks at each, "around-ids" only takes their numbers.
+create_cell. "around" visits the tetras around all vertices and looks at each, "around-ids" only takes their numbers;
+"list-around" is one_to_all_many of all vertices.
 """
 
 import argparse

@@ -91,9 +91,9 @@ class Cube:
     def points(self, side: int) -> NDArray[np.float64]:
         """((side + 1)^3, 3) float64, moved as they shall be."""
         xyz = self.make(side)[1]
-        inside = ((xyz > 0) & (xyz < 1)).all(axis=1)
+        inside = (np.abs(xyz - 0.5) < 0.5).all(axis=1, keepdims=True)
         moved = np.random.default_rng(20130522).uniform(-1, 1, xyz.shape) * self._jitter / side
-        return xyz + moved * inside[:, None]
+        return xyz + moved * inside
 
 
 def room_for_cube(side: int) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
@@ -263,6 +263,23 @@ def walk_beside_cgal(kernel: Callable[..., Any], case: Case, functions: Any) -> 
     return walk_beside(kernel, lambda visits: int(function(held.pointer, visits)), case)
 
 
+def list_beside_table(case: Case, functions: Any) -> Contest:
+    """All tetras around all vertices as a table, beside the same in C++."""
+    vertices, starts, rows = np.arange(case.vertices), *(np.empty_like(array) for array in case.table)
+
+    def ours() -> Any:
+        return case.mesh.one_to_all_many(Element.TETRAHEDRON, Element.VERTEX, vertices)
+
+    def theirs() -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+        functions.plain_table(at(case.tets), len(case.tets), case.vertices, at(starts), at(rows))
+        return starts, rows
+
+    def differ(ours: tuple[NDArray[Any], ...], theirs: tuple[NDArray[Any], ...]) -> str:
+        return unequal(ours[0], theirs[0], "numbers of tetras") or unequal(ours[1], theirs[1], "tetras around vertices")
+
+    return Contest(ours, theirs, differ)
+
+
 # ---- edits
 
 
@@ -354,6 +371,7 @@ def _rows() -> list[Row]:
             rows.append(Row(name, numbering, "table", bar, partial(walk_beside_table, kernel, False)))
             rows.append(Row(name, numbering, "table-made", None, partial(walk_beside_table, kernel, True)))
             rows.append(Row(name, numbering, "cgal", None, partial(walk_beside_cgal, kernel)))
+    rows += [Row("list-around", numbering, "table-made", None, list_beside_table) for numbering in NUMBERINGS]
     rows.append(Row("collect", "shuffled", "cgal", 2.0, partial(edit_beside_cgal, False)))
     rows.append(Row("add", "shuffled", "cgal", 6.0, partial(edit_beside_cgal, True)))
     return rows

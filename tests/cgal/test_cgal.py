@@ -15,6 +15,8 @@ from tetrabench.mesh.incidence import vertex_tetras
 from tetrabench.mesh.quality import signed_volumes
 from tetrabench.mesh.sides import side_neighbours
 
+pytestmark = pytest.mark.xdist_group("cgal")  # one process compiles
+
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory):
@@ -48,7 +50,7 @@ def test_all_of_it_from_answers_to_json(built, monkeypatch, capsys, tmp_path):
     for row in document["rows"]:
         assert line(row) in said
         assert row["turns"] == len(row["pairs_s"]) == 6
-    assert len(document["curve"]) == 8
+    assert len(document["curve"]) == 12
     for point in document["curve"]:
         assert (point["ratio"] == 1.0) == (point["tetras"] < 400)
     assert "<svg" in picture.read_text()
@@ -205,6 +207,15 @@ def test_the_judge_of_sums_sees_small_differences(row, functions):
     assert contest.differ(ours, theirs) == ""
     wrong = ours * (1 + 1e-9) if row.operation == "centroid" else (ours[0] + 1, ours[1])
     assert contest.differ(wrong, theirs) != ""
+
+
+@pytest.mark.parametrize("row", rows_of("list-around"))
+def test_the_judge_of_lists_sees_one_wrong_entry(row, functions):
+    contest = contest_of(row, functions)
+    (starts, found), theirs = contest.ours(), contest.theirs()
+    assert contest.differ((starts, found), theirs) == ""
+    found[7] += 1
+    assert contest.differ((starts, found), theirs) == "tetras around vertices differ in 1 places"
 
 
 @pytest.mark.parametrize("row", rows_of(("collect", "add")))
