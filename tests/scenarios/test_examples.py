@@ -124,6 +124,7 @@ def test_cubes_are_the_oracles(task, cubes):
         answer = scenario.answer(order, net)
         assert answer.digest == expected, contestant.name
         assert answer.figures["surface_sides"] == 12 * cubes**2
+        assert answer.figures["points"] == (cubes + 1) ** 3
         assert answer.figures["volume"] == pytest.approx(1.0, rel=1e-12)
         assert not net.is_open
         stage.close()
