@@ -302,12 +302,18 @@ def test_eventual_mesh_holds_its_vertices(bits):
     assert mesh.check() == eventual.check() == []
 
 
-@pytest.mark.xfail(reason="an eventual mesh sees vertices of its main mesh only when it is added to", strict=True)
 def test_eventual_mesh_knows_later_vertices(bits):
     mesh = HalfFaceMesh(3, bits=bits)
     eventual = mesh.eventual_mesh()
     mesh.add_vertices(2)
     assert eventual.find_halfface(0, 1, 4) == INVALID
+    assert mesh.n_vertices == eventual.n_vertices == 5
+    mesh.remove_vertex(1)
+    assert not eventual.is_valid(V, 1)
+    assert not mesh.eventual_mesh().is_valid(V, 1)
+    with pytest.raises(InputError, match="deleted"):
+        eventual.add_tetrahedron(0, 1, 2, 3)
+    assert eventual.check() == mesh.eventual_mesh().check() == []
     assert eventual.add_tetrahedron(4, 3, 0, 2) == 0
     mesh.conjoin_mesh(eventual)
     assert mesh.tetrahedron_to_vertices(0) == (0, 2, 3, 4)

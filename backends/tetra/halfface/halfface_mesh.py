@@ -88,8 +88,9 @@ class HalfFaceMesh(Mesh):
         if count < 0:
             raise InputError(f"{count} vertices cannot be added")
         self._refuse_beyond(vertices=count)
-        self._faces = storage.reserve(self._faces, vertices=count)
-        added = np.array([int(edit.add_vertex(self._faces, self._reuse_vertices)) for _ in range(count)], np.int64)
+        for eventual in self._eventual:
+            eventual._add_vertices(count, self._reuse_vertices)
+        added = self._add_vertices(count, self._reuse_vertices)
         for attribute in self._attributes.dense(Element.VERTEX):
             attribute.fit(self._count(storage.VERTICES))
             attribute.reset(added)
@@ -103,10 +104,11 @@ class HalfFaceMesh(Mesh):
         """
         v = Vertex(self._checked(Element.VERTEX, v))
         for mesh in (self, *self._eventual):
-            if v < len(mesh.storage.v2hf) and storage.first_record(mesh.storage, v)[0] != INVALID:
+            if storage.first_record(mesh.storage, v)[0] != INVALID:
                 where = "" if mesh is self else " of an eventual mesh"
                 raise InputError(f"vertex {v} cannot be removed: a tetrahedron{where} has it")
-        edit.remove_vertex(self._faces, v)
+        for mesh in (self, *self._eventual):
+            edit.remove_vertex(mesh.storage, v)
         for attribute in self._attributes.sparse(Element.VERTEX):
             attribute.forget((v,))
 
@@ -126,7 +128,8 @@ class HalfFaceMesh(Mesh):
             raise InputError("the vertices cannot go: an eventual mesh has tetrahedra at them")
         super().clear_mesh(tetrahedra_only)
         if not tetrahedra_only:
-            self._faces = storage.make_halffaces(0, 0, 0, bits=self.bits)
+            for mesh in (self, *self._eventual):
+                mesh._faces = storage.make_halffaces(0, 0, 0, bits=self.bits)
             for attribute in self._attributes.dense(Element.VERTEX) + self._attributes.dense(Element.BORDER_HALFFACE):
                 attribute.fit(0)
             for sparse in self._attributes.sparse(*Element):
@@ -285,24 +288,11 @@ class EventualMesh(Mesh):
     """Tetrahedra on the vertices of a main mesh, to be put into that by its `conjoin_mesh`. Source: thesis, 5.7."""
 
     def __init__(self, main: HalfFaceMesh) -> None:
-        """An empty one; main meshes make them: `main.eventual_mesh()`."""
-        self._main = main
-        super().__init__(storage.make_halffaces(0, 0, 0, bits=main.bits))
-        self._follow()
-
-    def _follow(self) -> None:
-        """Know the vertices that the main mesh has by now."""
-        main, faces = self._main.storage, self._faces
-        have, wanted = int(faces.counters[storage.VERTICES]), int(main.counters[storage.VERTICES])
-        faces = storage.reserve(faces, vertices=wanted - have)
-        faces.v2hf[have:wanted], faces.vborders[have:wanted] = storage.isolated(faces), 0
-        faces.counters[storage.VERTICES] = wanted
-        self._faces = faces
-
-    def add_tetrahedra(self, tets: ArrayLike) -> NDArray[np.int64]:
-        """As in a main mesh, whose vertices are those of this one."""
-        self._follow()
-        for v in np.unique(np.asarray(tets)).tolist():
-            if v in self.kernel_iterator(Element.VERTEX) and self._main.vertex_deleted(Vertex(v)):
-                raise InputError(f"vertex {v} of the main mesh is deleted")
-        return super().add_tetrahedra(tets)
+        """An empty one; main meshes make them, and keep its vertices like theirs: `main.eventual_mesh()`."""
+        of_main = main.storage
+        vertices = len(main.kernel_iterator(Element.VERTEX))
+        super().__init__(storage.make_halffaces(vertices, 0, 0, bits=main.bits))
+        deleted = ~main._live(Element.VERTEX, 0, vertices)
+        self._faces.v2hf[deleted] = of_main.v2hf[:vertices][deleted]
+        for place in (storage.DELETED_VERTEX, storage.DELETED_VERTICES):
+            self._faces.counters[place] = of_main.counters[place]

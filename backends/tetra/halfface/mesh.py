@@ -351,10 +351,9 @@ class Mesh:
 
     def _check_many(self, element: Element, handles: NDArray[np.int64]) -> None:
         if element in (Element.VERTEX, Element.TETRAHEDRON):
-            size = len(self.kernel_iterator(element))
-            known = (handles >= 0) & (handles < size)
+            known = (handles >= 0) & (handles < len(self.kernel_iterator(element)))
             if element == Element.VERTEX:
-                known[known] = self._live(element, 0, size)[handles[known]]
+                known[known] = self._faces.v2hf[handles[known]].astype(np.int64) >> self._bits != DELETED
             strange = handles[~known][:1].tolist()
         else:
             strange = [handle for handle in handles.tolist() if not self.is_valid(element, handle)][:1]
@@ -491,6 +490,11 @@ class Mesh:
         }
         refuse_beyond(self.bits, **{what: have[what] + count for what, count in more.items() if count})
 
+    def _add_vertices(self, count: int, reuse: bool) -> NDArray[np.int64]:
+        """So many vertices more, in the place of deleted ones if `reuse`: (count,) int64."""
+        self._faces = storage.reserve(self._faces, vertices=count)
+        return np.array([int(edit.add_vertex(self._faces, reuse)) for _ in range(count)], np.int64)
+
     def add_tetrahedron(self, a: Vertex, b: Vertex, c: Vertex, d: Vertex) -> Tetrahedron:
         """Add the tetrahedron of four vertices, behind the others.
 
@@ -506,8 +510,8 @@ class Mesh:
         Raises:
             InputError: as `add_tetrahedron`, naming the row; those before it are in, and none after it.
         """
+        self._refuse_beyond(tetrahedra=np.shape(tets)[0] if np.ndim(tets) else 0)  # before they are copied
         rows = as_vertices(tets).astype(np.int64)
-        self._refuse_beyond(tetrahedra=len(rows))
         bound = self._count(storage.LARGEST_FAN)
         self._faces = storage.reserve(
             self._faces, tetras=len(rows), borders=4 * len(rows), records=8 * min(len(rows), 1), fan=len(rows)
