@@ -1,6 +1,7 @@
 """Repeat the committed runs, and write what the pages show of them anew: `make results`, `make reference`, `make thesis`."""
 
 import argparse
+import json
 import re
 import subprocess
 import sys
@@ -9,7 +10,11 @@ from functools import partial
 from pathlib import Path
 
 RESULTS = Path(__file__).parent
-README, FINDINGS = RESULTS.parent / "README.md", RESULTS / "README.md"
+README, FINDINGS, HALFFACE = (
+    RESULTS.parent / "README.md",
+    RESULTS / "README.md",
+    RESULTS.parent / "docs" / "halfface.md",
+)
 RUNS = {
     "nozzle-120k-quick": "--model nozzle --tets 120k --quick",
     "reference-nozzle": "--model nozzle --numbering natural,shuffled --rounds 1",
@@ -54,8 +59,7 @@ def advice() -> str:
     first = {one.workload: one for one in reversed(given)}
     words = [f"- **{name}**, {one.title}: {mix_words(first[name].mix)}." for name, one in known.items()]
     costs = [f"- {one.model}, {one.workload}: {advice_of(one)}" for one in given]
-    table = [f"| {' | '.join(line)} |" for line in lines]
-    return "\n".join([*table, "", *words, "", "What it costs to take the next one:", "", *costs])
+    return "\n".join([_markdown(lines), "", *words, "", "What it costs to take the next one:", "", *costs])
 
 
 def findings() -> str:
@@ -78,6 +82,41 @@ def numbering() -> str:
     return markdown_of(make_numbering_pages(read_results(Path(file_of("numbering-nozzle"))))).strip()
 
 
+def beside_cgal() -> str:
+    """The half-face kernel beside CGAL and plain C++: rows, memory, and what a query costs in meshes of all sizes."""
+    found = json.loads(Path(file_of("cgal-623k")).read_text())
+    sizes = list(dict.fromkeys(point["tetras"] for point in found["curve"]))
+    costs = {(one["way"], one["numbering"], one["tetras"]): 1e9 * one["query_s"] for one in found["curve"]}
+    curve = [["ns a query", *(f"{size:,}" for size in sizes)], ["---"] + ["---:"] * len(sizes)]
+    for way, numbering in dict.fromkeys(key[:2] for key in costs):
+        curve.append([f"{way}, {numbering}", *(f"{costs[way, numbering, size]:,.0f}" for size in sizes)])
+    weights = ", ".join(f"{one['structure']}, {one['numbering']} {one['per_tetra']:.1f}" for one in found["memory"])
+    return "\n\n".join([contests("cgal-623k"), f"Retained bytes a tetra: {weights}.", _markdown(curve)])
+
+
+def contests(name: str) -> str:
+    """The rows of a bench that puts something of ours beside a peer."""
+    verdict = {None: "", True: "met", False: "**missed**"}
+    lines = [
+        ["operation", "numbering", "beside", "ours, ms", "theirs, ms", "ratio", "95 %", "bar", ""],
+        ["---"] * 3 + ["---:"] * 5 + ["---"],
+    ]
+    for row in json.loads(Path(file_of(name)).read_text())["rows"]:
+        about = [row["operation"], row["numbering"], row["peer"]]
+        times = [_figure(1e3 * row[side]) for side in ("ours_s", "peer_s")]
+        interval, bar = f"{_figure(row['low'])} to {_figure(row['high'])}", f"{row['bar']:g}" if row["bar"] else ""
+        lines.append([*about, *times, _figure(row["ratio"]), interval, bar, verdict[row["met"]]])
+    return _markdown(lines)
+
+
+def _figure(value: float) -> str:
+    return f"{value:.3g}" if value < 100 else f"{value:,.0f}"
+
+
+def _markdown(lines: list[list[str]]) -> str:
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
 def file_of(name: str) -> str:
     """The results file of a run."""
     return str(RESULTS / f"{name}.json")
@@ -87,6 +126,8 @@ BLOCKS: dict[str, tuple[Path, Callable[[], str]]] = {
     "what to use": (FINDINGS, advice),
     "findings of the source": (FINDINGS, findings),
     "layout and numbering": (FINDINGS, numbering),
+    "half-faces beside CGAL": (HALFFACE, beside_cgal),
+    "half-faces beside packages": (HALFFACE, partial(contests, "peers-examples")),
 } | {
     f"table {name}": (README if name == "nozzle-120k-quick" else FINDINGS, partial(table, name))
     for name in RUNS

@@ -22,6 +22,21 @@ from tetrabench.scenarios.tetra.generate import Generate, Order, cube
 
 CUBES = 12
 
+# ---- construct
+
+
+def construct_beside_libigl(case: Case, igl: Any) -> Contest:
+    """The whole half-face mesh beside the adjacency of its tetras alone."""
+    tets = case.mesh.tets.astype(np.int64)  # the type that libigl takes without a copy
+    opposite = [3, 2, 0, 1]  # the vertex opposite each of its faces 012, 013, 123, 203
+
+    def differ(ours: HalfFaceMesh, theirs: Any) -> str:
+        return unequal(theirs[0], our_neighbours(ours, case.mesh.tets)[:, opposite], "side neighbours")
+
+    construct = partial(HalfFaceMesh.construct_mesh, case.mesh.tets, len(case.mesh.points))
+    return Contest(construct, partial(igl.tet_tet_adjacency, tets), differ)
+
+
 # ---- centroid
 
 
@@ -172,14 +187,18 @@ GENERATED = {
     "scipy": (cube_with_scipy, not_a_cube),
 }
 
-EXAMPLES = [
-    Row(operation, numbering, peer, None, partial(contest, theirs))
-    for operation, contest in (("centroid", beside), ("centroid-hf", halffaces_beside))
-    for numbering in ("natural", "shuffled")
-    for peer, theirs in MIDDLES.items()
-] + [
-    Row(operation, "natural", peer, None, partial(cube_beside, theirs, differ, halffaces))
-    for operation, halffaces in (("generate", False), ("generate-hf", True))
-    for peer, (theirs, differ) in GENERATED.items()
-]
-"""For orientation: the bars of these examples are beside CGAL (tests/cgal)."""
+EXAMPLES = (
+    [Row("construct-hf", numbering, "libigl", 1.0, construct_beside_libigl) for numbering in ("natural", "shuffled")]
+    + [
+        Row(operation, numbering, peer, None, partial(contest, theirs))
+        for operation, contest in (("centroid", beside), ("centroid-hf", halffaces_beside))
+        for numbering in ("natural", "shuffled")
+        for peer, theirs in MIDDLES.items()
+    ]
+    + [
+        Row(operation, "natural", peer, None, partial(cube_beside, theirs, differ, halffaces))
+        for operation, halffaces in (("generate", False), ("generate-hf", True))
+        for peer, (theirs, differ) in GENERATED.items()
+    ]
+)
+"""For orientation, but for the first: the bars of these examples are beside CGAL (tests/cgal)."""

@@ -151,6 +151,14 @@ def test_the_middle_of_a_mesh_beside_each_peer(operation, peer, case):
     assert all(contest.differ(ours, other) for other in others)  # a volume tells who was found
 
 
+def test_the_judge_of_half_faces(case):
+    contest = example("construct-hf", "libigl", case)
+    ours, theirs = contest.ours(), contest.theirs()
+    assert contest.differ(ours, theirs) == ""
+    theirs[0][5, 1] += 1
+    assert contest.differ(ours, theirs) == "side neighbours differ in 1 places"
+
+
 @pytest.mark.parametrize("operation", ["generate", "generate-hf"])
 def test_the_judge_of_cubes_by_formula(operation, case):
     contest = example(operation, "numpy", case)
