@@ -16,11 +16,14 @@ from tetrabench.backends.tetra.halfface.handles import (
     Tetrahedron,
     Vertex,
 )
+from tetrabench.backends.tetra.halfface.sets import ElementMultiset, ElementSet
 
 __all__ = [
     "INVALID",
     "Edge",
     "Element",
+    "ElementMultiset",
+    "ElementSet",
     "EventualMesh",
     "Face",
     "HalfFace",
