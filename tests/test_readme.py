@@ -63,9 +63,9 @@ def test_the_examples_run(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     write_mesh(generate("nozzle", 5000), tmp_path / "nozzle.nas")
     # a kernel is cached by its file, so the examples become one
-    (tmp_path / "examples.py").write_text("\n".join(re.findall(r"```python\n(.*?)```", README, re.DOTALL)))
+    (tmp_path / "readme_examples.py").write_text("\n".join(re.findall(r"```python\n(.*?)```", README, re.DOTALL)))
     monkeypatch.syspath_prepend(tmp_path)
-    import examples
+    import readme_examples as examples
 
     assert examples.inside[0] >= 0
     assert examples.inside[1] == -1

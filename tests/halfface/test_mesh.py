@@ -19,7 +19,7 @@ from tests.halfface.comparing import (
 )
 from tests.halfface.meshes import MESHES, ring, two_components_at_a_vertex
 from tests.halfface.naive import KINDS, NaiveMesh, Names
-from tetrabench.backends.tetra.halfface import INVALID, Element, HalfFaceMesh
+from tetrabench.backends.tetra.halfface import INVALID, Element, HalfFaceMesh, edit
 from tetrabench.backends.tetra.halfface.sets import ElementSet
 from tetrabench.errors import InputError
 
@@ -815,3 +815,53 @@ def test_a_large_fan(bits):
     assert len(mesh.one_to_all(T, V, 1)) == count // 2
     assert mesh.n_border_halffaces == 2 * count
     assert len(mesh.tetrahedra_around_edge(1)) == 1
+
+
+def test_room_for_a_kernel_that_adds(bits):
+    mesh = HalfFaceMesh(400, bits=bits)
+    mesh.reserve(tetrahedra=100)
+    storage = mesh.storage
+    for t in range(100):  # each a component of its own
+        assert edit.add_tetrahedron(storage, 4 * t, 4 * t + 1, 4 * t + 2, 4 * t + 3) == t
+    assert mesh.check() == []
+    assert mesh.n_tetrahedra == 100
+
+
+def test_attributes_follow_what_a_kernel_added(bits):
+    mesh = HalfFaceMesh.construct_mesh([[0, 1, 2, 3]], 8, bits=bits)
+    of_tetras, of_border = mesh.add_attribute(T, "q", default=7), mesh.add_attribute(B, "b", default=8)
+    mesh.reserve(tetrahedra=2)
+    edit.add_tetrahedron(mesh.storage, 1, 2, 3, 4)
+    edit.add_tetrahedron(mesh.storage, 4, 5, 6, 7)
+    mesh.set_delete_flags([0])
+    assert mesh.garbage_collect() == 1
+    assert of_tetras.values.tolist() == [7, 7]
+    assert set(of_border[mesh.border_halffaces.handles].tolist()) == {8}
+    assert mesh.check() == []
+
+
+def test_a_dense_attribute_of_nothing_is_refused(bits):
+    values = HalfFaceMesh.construct_mesh([[0, 1, 2, 3]], bits=bits).add_attribute(T, "q")
+    for handle in (INVALID, 1, [0, -1], 0.0, None, "0"):
+        with pytest.raises(InputError):
+            values[handle]
+        with pytest.raises(InputError):
+            values[handle] = 1
+    values[:] = 5
+    assert values[0] == values[[0]] == 5
+
+
+def test_growing_one_by_one_leaves_little_behind(bits):
+    """What walks need is not in proportion to how many were added."""
+    mesh = HalfFaceMesh(2000, bits=bits)
+    for t in range(0, 2000, 4):
+        mesh.add_tetrahedra([[t, t + 1, t + 2, t + 3]])
+    sizes = mesh.structure_bytes()
+    assert sizes["queue"][1] + sizes["table"][1] < 60_000
+    assert mesh.check() == []
+
+
+def test_sets_go_where_many_handles_go(bits):
+    mesh = HalfFaceMesh.construct_mesh([[0, 1, 2, 3], [1, 2, 3, 4], [2, 3, 4, 5]], bits=bits)
+    mesh.set_delete_flags(mesh.one_to_all(T, V, 2) - mesh.one_to_all(T, V, 5))
+    assert list(mesh.tetrahedra) == [2]

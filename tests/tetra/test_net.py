@@ -16,6 +16,7 @@ from tetrabench.backends.tetra.halfface import topology
 from tetrabench.errors import InputError, MemoryRefusedError
 from tetrabench.io import read_mesh
 from tetrabench.jit import kernels
+from tetrabench.mesh.models import generate
 from tetrabench.tetra import edit, incidence, interface
 from tetrabench.tetra.net import TetraNet
 
@@ -363,3 +364,43 @@ def test_halfface_that_there_is_no_memory_to_split_stays_what_it_was(monkeypatch
         assert net.answer().digest == digest
         assert net.split(net.refs[:4]) == 0
         assert net.check() == []
+
+
+def test_an_insert_that_has_to_collect_first_has_room_for_it():
+    """Collecting takes border half-faces out of the room that was made for the insert."""
+    with TetraNet(generate("box", 750), registry.contestant("tetra", "halfface")) as net:
+        inner, seen = [], set()
+        for t, neighbours in zip(net.refs.tolist(), net.neighbours.tolist(), strict=True):
+            if -1 not in neighbours and not seen & {t, *neighbours}:
+                inner.append(t)
+                seen |= {t, *neighbours}
+        corners = [net.vertices_of(t) for t in inner]
+        for t in inner:
+            net.delete(t)
+        for vertices in corners:
+            net.insert(*vertices)
+        assert len(net) == 750
+        assert net.check() == []
+
+
+def test_a_refused_insert_leaves_what_waits_alone():
+    with TetraNet(box(), registry.contestant("tetra", "halfface")) as net:
+        net.delete(int(net.refs[3]))
+        refs = net.refs.tolist()
+        for vertices in [(0, 0, 1, 2), (0, 1, 2, 10**6)]:
+            with pytest.raises(InputError):
+                net.insert(*vertices)
+            assert net.refs.tolist() == refs
+        assert net.storage.incidence.counters[1] == 1  # flagged, as before
+
+
+def test_fields_and_half_faces_never_disagree_about_room():
+    """Half-faces have room for more tetras than fields have: the tetra is refused before anything is written."""
+    with TetraNet(box(), registry.contestant("tetra", "halfface")) as net:
+        net.storage = edit.reserve(net.storage, 100, 0)
+        fields = net.storage.layout
+        short = type(fields)(*(field[: len(net)] for field in fields))
+        t = int(net.refs[-1])
+        vertices = net.vertices_of(t)
+        with pytest.raises(ValueError, match="call reserve first"):
+            interface.insert_tetra(net.storage._replace(layout=short), *vertices)

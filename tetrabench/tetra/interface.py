@@ -206,6 +206,10 @@ def fill_around(net: Net, point: int, buffer: NDArray[np.int64]) -> int:
     """
 
 
+IN_THE_WAY = ("there is such a tetra already", "two tetras share that side already")
+"""What `insert_tetra` says where another tetra is in the way; one that is deleted, and waits for `collect`, is one, too."""
+
+
 @generic(on="incidence")
 def insert_tetra(net: Net, a: int, b: int, c: int, d: int) -> int:
     """Insert the tetra of four points, joined to its neighbours, and return its ref. States are 0. Counts as an edit.

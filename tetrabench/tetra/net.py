@@ -328,7 +328,8 @@ class TetraNet:
         """Insert the tetra of four points and return its ref; states are 0.
 
         Raises:
-            InputError: equal or unknown points, a tetra that is there already, a side that two tetras share already.
+            InputError: equal or unknown points, a tetra that is there already, a side that two tetras share already. (Where
+                deletions waited, and might have been what was in the way, they are collected by then.)
         """
         a, b, c, d = _whole(a), _whole(b), _whole(c), _whole(d)
         self.storage = edit.reserve(self.storage, 1, 0)
@@ -343,9 +344,10 @@ class TetraNet:
     def _insert(self, a: int, b: int, c: int, d: int) -> int:
         try:
             return int(interface.insert_tetra(self.storage, a, b, c, d))
-        except ValueError:  # what is in the way may have been deleted
-            if not self.collect():
+        except ValueError as error:
+            if str(error) not in interface.IN_THE_WAY or not self.collect():
                 raise
+        self.storage = edit.reserve(self.storage, 1, 0)  # collecting takes room
         return int(interface.insert_tetra(self.storage, a, b, c, d))
 
     def delete(self, t: int) -> None:

@@ -31,10 +31,22 @@ class DenseAttribute:
         return self._array[: self._size]
 
     def __getitem__(self, handles: Any) -> Any:
-        return self.values[handles]
+        return self.values[self._checked(handles)]
 
     def __setitem__(self, handles: Any, values: Any) -> None:
-        self.values[handles] = values
+        self.values[self._checked(handles)] = values
+
+    def _checked(self, handles: Any) -> Any:
+        """Handles that there are, or a slice; InputError for others, INVALID among them: numpy would count from the end."""
+        if isinstance(handles, slice):
+            return handles
+        given = np.asarray(handles)
+        if given.dtype.kind not in "iu" and given.size:
+            raise InputError(f"handles are whole numbers, not {given.dtype}")
+        if given.size and not (given.min() >= 0 and given.max() < self._size):
+            strange = given[(given < 0) | (given >= self._size)].ravel()[0]
+            raise InputError(f"there is no {self.element.value} {strange}")
+        return handles if given.size else given.astype(np.int64)
 
     def __len__(self) -> int:
         return self._size

@@ -1,8 +1,8 @@
 """Remove the flagged tetras: the last ones go, the rightmost valid ones fill the gaps. Source: thesis, 5.10.3.
 
 The printed version forgets what that does to vertices: they may become isolated, their tetras may fall apart. Here the
-access half-faces of every vertex of a flagged tetra are made right. O(n), of which all but the search for flags is in
-proportion to what goes.
+access half-faces of every vertex of a flagged tetra are made right. O(n), of which all but a look at every tetra and vertex
+is in proportion to what goes.
 """
 
 from typing import Any
@@ -52,6 +52,7 @@ def collect(mesh: HalfFaces) -> tuple[HalfFaces, NDArray[np.int64], NDArray[np.i
     gone = np.empty(flagged, np.int64)
     _list_flagged(mesh, gone)
     starts, corners = np.zeros(int(mesh.counters[VERTICES]) + 2, np.int64), np.empty(4 * flagged, np.int64)
+    moved_from, moved_to = np.empty(flagged, np.int64), np.empty(flagged, np.int64)
     borders = _group_by_vertex(mesh, gone, starts, corners)
     mesh = reserve(mesh, borders=int(borders))
     _prune(mesh, starts, corners)
@@ -60,7 +61,6 @@ def collect(mesh: HalfFaces) -> tuple[HalfFaces, NDArray[np.int64], NDArray[np.i
     while v < mesh.counters[VERTICES]:
         mesh = reserve(mesh, records=3 * int(starts[v + 1] - starts[v]) + 2)
         v = _correct(mesh, starts, corners, v)
-    moved_from, moved_to = np.empty(flagged, np.int64), np.empty(flagged, np.int64)
     moved = _compact(mesh, gone, moved_from, moved_to)
     return mesh, moved_from[:moved], moved_to[:moved]
 

@@ -27,6 +27,7 @@ WORDS = {32: np.uint32, 64: np.int64}
 """The type of a word, by its bits."""
 
 _BASES = {32: 29, 64: 60}
+_VERTICES = 31  # bits of a vertex in an edge, and in a mesh
 
 
 @kernel(allocates=False, inline=True)
@@ -74,8 +75,9 @@ def refuse_beyond(bits: int, **counts: int) -> None:
     for what, count in counts.items():
         if count < 0:
             raise InputError(f"there cannot be {count:,} {what.replace('_', ' ')}")
-        if count >= 2 ** _BASES[bits]:
+        power = min(_BASES[bits], _VERTICES) if what == "vertices" else _BASES[bits]
+        if count >= 2**power:
             way_out = "; say bits=64" if bits == 32 else ""
             raise InputError(
-                f"{count:,} {what.replace('_', ' ')}: words of {bits} bits count up to 2^{_BASES[bits]} - 1{way_out}"
+                f"{count:,} {what.replace('_', ' ')}: words of {bits} bits count up to 2^{power} - 1{way_out}"
             )

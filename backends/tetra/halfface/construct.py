@@ -47,8 +47,7 @@ def construct(tets: Any, vertices: int | None = None, *, bits: int = 32, manifol
         InputError: tets of another shape, an unknown vertex, a tetra with a vertex twice, two tetras with the same four
             vertices, three with one face, or more of anything than the words can count.
     """
-    rows = np.shape(tets)[0] if np.ndim(tets) else 0
-    refuse_beyond(bits, tetrahedra=rows, vertices=vertices or 0)  # before they are copied
+    refuse_beyond(bits, tetrahedra=rows_of(tets), vertices=vertices or 0)  # before they are copied
     tets = as_vertices(tets) if vertices is None else as_vertices(tets, vertices)
     if vertices is None:
         vertices = int(tets.max()) + 1 if len(tets) else 0
@@ -75,6 +74,11 @@ def construct(tets: Any, vertices: int | None = None, *, bits: int = 32, manifol
     elif _find_access(mesh, first, fans, split):
         mesh = _settle_split(mesh, split)
     return mesh
+
+
+def rows_of(tets: Any) -> int:
+    """How many rows an array has; 0 of what is none, which may be of any shape, and small."""
+    return len(tets) if isinstance(tets, np.ndarray) and tets.ndim else 0
 
 
 @kernel(allocates=False)

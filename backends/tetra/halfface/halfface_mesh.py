@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from tetrabench.backends.tetra.halfface import conjoin, edit, storage
 from tetrabench.backends.tetra.halfface.attributes import Attributes, DenseAttribute, SparseAttribute
-from tetrabench.backends.tetra.halfface.compound import refuse_beyond
+from tetrabench.backends.tetra.halfface.compound import BORDER, refuse_beyond
 from tetrabench.backends.tetra.halfface.construct import construct
 from tetrabench.backends.tetra.halfface.handles import INVALID, Element, HalfFace, Tetrahedron, Vertex
-from tetrabench.backends.tetra.halfface.mesh import Mesh
+from tetrabench.backends.tetra.halfface.mesh import Mesh, _whole
 from tetrabench.backends.tetra.halfface.storage import HalfFaces
 from tetrabench.errors import InputError
 
@@ -28,20 +28,18 @@ _DENSE = {
 class HalfFaceMesh(Mesh):
     """A mesh of tetrahedra, manifold or not: each face has at most two, and no two have the same four vertices."""
 
-    def __init__(
-        self, vertices: int = 0, *, bits: int = 32, reuse_vertices: bool = True, manifold: bool = False
-    ) -> None:
+    def __init__(self, vertices: int = 0, *, bits: int = 32, reuse_vertices: bool = True) -> None:
         """A mesh without tetrahedra.
 
         Args:
             vertices: how many isolated ones it has.
             bits: of a word. 32 are enough for 2^29 - 1 vertices, tetrahedra, and half-faces on the border.
             reuse_vertices: whether a new vertex takes the place of the one that was deleted last.
-            manifold: a promise that the tetrahedra of each vertex hang together, which makes `construct_mesh` faster.
 
         Raises:
             InputError: more than the words can count, or no such words.
         """
+        vertices = _whole(vertices)
         refuse_beyond(bits, vertices=vertices)
         self._adopt(storage.make_halffaces(vertices, 0, 0, bits=bits), reuse_vertices)
 
@@ -57,7 +55,8 @@ class HalfFaceMesh(Mesh):
     ) -> Self:
         """The mesh of an element connectivity, (n, 4) whole numbers; traits as above. O(n).
 
-        `vertices`: how many there are, by default the largest in `tets` and one.
+        `vertices`: how many there are, by default the largest in `tets` and one. `manifold`: a promise that the tetrahedra
+        of each vertex hang together through faces that have it, which is then not looked for, and takes half the time.
 
         Raises:
             InputError: another shape, an unknown vertex, a tetrahedron with a vertex twice, two with the same four vertices,
@@ -71,6 +70,7 @@ class HalfFaceMesh(Mesh):
         super().__init__(faces)
         self._reuse_vertices = reuse_vertices
         self._attributes = Attributes()
+        self._followed = self.n_tetrahedra  # those that attributes know
         self._eventual: weakref.WeakSet[EventualMesh] = weakref.WeakSet()
 
     # ------------------------------------------------------------------ vertices
@@ -85,9 +85,12 @@ class HalfFaceMesh(Mesh):
         Raises:
             InputError: more than the words can count.
         """
+        count = _whole(count)
         if count < 0:
             raise InputError(f"{count} vertices cannot be added")
         self._refuse_beyond(vertices=count)
+        for mesh in (*self._eventual, self):  # room for all, before any of them is another
+            mesh._faces = storage.reserve(mesh._faces, vertices=count)
         for eventual in self._eventual:
             eventual._add_vertices(count, self._reuse_vertices)
         added = self._add_vertices(count, self._reuse_vertices)
@@ -114,7 +117,7 @@ class HalfFaceMesh(Mesh):
 
     def vertex_deleted(self, v: Vertex) -> bool:
         """Whether a vertex was deleted, and is not in use again."""
-        if v not in self.kernel_iterator(Element.VERTEX):
+        if _whole(v) not in self.kernel_iterator(Element.VERTEX):
             raise InputError(f"there is no vertex {v}")
         return bool(storage.says_deleted(self._faces, v))
 
@@ -126,7 +129,7 @@ class HalfFaceMesh(Mesh):
         """
         if not tetrahedra_only and any(mesh.n_tetrahedra for mesh in self._eventual):
             raise InputError("the vertices cannot go: an eventual mesh has tetrahedra at them")
-        super().clear_mesh(tetrahedra_only)
+        super().clear_mesh()
         if not tetrahedra_only:
             for mesh in (self, *self._eventual):
                 mesh._faces = storage.make_halffaces(0, 0, 0, bits=self.bits)
@@ -155,6 +158,7 @@ class HalfFaceMesh(Mesh):
         if eventual not in self._eventual:
             raise InputError("this is no eventual mesh of this mesh")
         self._refuse_beyond(tetrahedra=eventual.n_tetrahedra, border_halffaces=eventual.n_border_halffaces)
+        self._after_kernels()
         before = self.n_tetrahedra
         self._faces, refusal = conjoin.conjoin(self._faces, eventual.storage)
         if refusal:
@@ -236,7 +240,11 @@ class HalfFaceMesh(Mesh):
 
     # ------------------------------------------------------------------ what follows a change
 
+    def _after_kernels(self) -> None:
+        self._after_adding(min(self._followed, self.n_tetrahedra))
+
     def _after_adding(self, before: int) -> None:
+        self._followed = self.n_tetrahedra
         for attribute in self._attributes.dense(Element.TETRAHEDRON):
             attribute.fit(self.n_tetrahedra)
         self._fit_border(before)
@@ -252,7 +260,7 @@ class HalfFaceMesh(Mesh):
         for attribute in self._attributes.dense(Element.BORDER_HALFFACE):
             attribute.fit(self._count(storage.BORDERS))
             opposite = self._faces.adjacency[before : self.n_tetrahedra].astype(np.int64)
-            attribute.reset(opposite[opposite >> self._bits == 0])
+            attribute.reset(opposite[opposite >> self._bits == BORDER])
 
     def _before_collecting(self) -> NDArray[np.int64]:
         """What each border half-face is opposite of."""
@@ -262,6 +270,7 @@ class HalfFaceMesh(Mesh):
     def _after_collecting(
         self, before: NDArray[np.int64], moved_from: NDArray[np.int64], moved_to: NDArray[np.int64]
     ) -> None:
+        self._followed = self.n_tetrahedra
         for attribute in self._attributes.dense(Element.TETRAHEDRON):
             attribute.move(moved_from, moved_to)
             attribute.fit(self.n_tetrahedra)
@@ -277,8 +286,9 @@ class HalfFaceMesh(Mesh):
         """The border half-faces that are not what they were: opposite another half-face, however tetras moved."""
         now = self._faces.bhf2hf[: self._count(storage.BORDERS)].astype(np.int64)
         tetras = now & self._mask
-        back = dict(zip(moved_to.tolist(), moved_from.tolist(), strict=True))
-        old = np.array([back.get(t, t) for t in tetras.tolist()], np.int64)
+        back = np.arange(self.n_tetrahedra + 1)  # (a free half-face may name any)
+        back[moved_to] = moved_from
+        old = back[np.minimum(tetras, self.n_tetrahedra)]
         was = np.full(len(now), INVALID, np.int64)
         was[: len(before)] = before
         return np.flatnonzero((now - tetras + old) != was)

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from tetrabench.backends.tetra.halfface import audit, collect, edit, find, queries, storage
 from tetrabench.backends.tetra.halfface.circulate import Circulator, list_around_edge
 from tetrabench.backends.tetra.halfface.compound import BORDER, DELETED, FLAG, INNER, refuse_beyond
+from tetrabench.backends.tetra.halfface.construct import rows_of
 from tetrabench.backends.tetra.halfface.handles import (
     INVALID,
     Edge,
@@ -25,7 +26,7 @@ from tetrabench.backends.tetra.halfface.handles import (
     Vertex,
 )
 from tetrabench.backends.tetra.halfface.permutations import PLACES
-from tetrabench.backends.tetra.halfface.sets import ElementSet
+from tetrabench.backends.tetra.halfface.sets import ElementSet, Operand
 from tetrabench.backends.tetra.halfface.storage import HalfFaces
 from tetrabench.errors import InputError
 from tetrabench.jit import kernel
@@ -320,7 +321,7 @@ class Mesh:
         return ElementSet(target, found)
 
     def one_to_all_many(
-        self, target: Element, source: Element, handles: ArrayLike
+        self, target: Element, source: Element, handles: ArrayLike | Operand
     ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """`one_to_all` of many elements: starts (n + 1,), found (m,) int64.
 
@@ -441,8 +442,8 @@ class Mesh:
         """Flag a tetrahedron, or take the flag away."""
         edit.set_delete_flag(self._faces, self._checked(Element.TETRAHEDRON, t), bool(value))
 
-    def set_delete_flags(self, tetras: ArrayLike, value: bool = True) -> None:
-        """Flag many tetrahedra, (n,), or take the flags away."""
+    def set_delete_flags(self, tetras: ArrayLike | Operand, value: bool = True) -> None:
+        """Flag many tetrahedra, (n,) or a set of them, or take the flags away."""
         handles = _handles(tetras)
         self._check_many(Element.TETRAHEDRON, handles)
         _set_delete_flags(self._faces, handles, bool(value))
@@ -470,16 +471,22 @@ class Mesh:
     # ------------------------------------------------------------------ changes
 
     def reserve(self, vertices: int = 0, tetrahedra: int = 0, border_halffaces: int = 0) -> None:
-        """Make room for so many more of each.
+        """Make room for so many more of each, and for kernels that add so many tetrahedra one by one.
 
         Raises:
             InputError: more than the words can count, or less than nothing.
         """
+        vertices, tetrahedra, border_halffaces = _whole(vertices), _whole(tetrahedra), _whole(border_halffaces)
         if min(vertices, tetrahedra, border_halffaces) < 0:
             raise InputError("there cannot be room for less than nothing")
         self._refuse_beyond(vertices=vertices, tetrahedra=tetrahedra, border_halffaces=border_halffaces)
         self._faces = storage.reserve(
-            self._faces, vertices=vertices, tetras=tetrahedra, borders=border_halffaces, fan=0
+            self._faces,
+            vertices=vertices,
+            tetras=tetrahedra,
+            borders=max(border_halffaces, 4 * tetrahedra),
+            records=8 * tetrahedra,
+            fan=tetrahedra,
         )
 
     def _refuse_beyond(self, **more: int) -> None:
@@ -493,7 +500,9 @@ class Mesh:
     def _add_vertices(self, count: int, reuse: bool) -> NDArray[np.int64]:
         """So many vertices more, in the place of deleted ones if `reuse`: (count,) int64."""
         self._faces = storage.reserve(self._faces, vertices=count)
-        return np.array([int(edit.add_vertex(self._faces, reuse)) for _ in range(count)], np.int64)
+        added = np.empty(count, np.int64)
+        _add_vertices(self._faces, added, reuse)
+        return added
 
     def add_tetrahedron(self, a: Vertex, b: Vertex, c: Vertex, d: Vertex) -> Tetrahedron:
         """Add the tetrahedron of four vertices, behind the others.
@@ -510,18 +519,17 @@ class Mesh:
         Raises:
             InputError: as `add_tetrahedron`, naming the row; those before it are in, and none after it.
         """
-        self._refuse_beyond(tetrahedra=np.shape(tets)[0] if np.ndim(tets) else 0)  # before they are copied
+        self._refuse_beyond(tetrahedra=rows_of(tets))  # before they are copied
+        self._after_kernels()
         rows = as_vertices(tets).astype(np.int64)
         bound = self._count(storage.LARGEST_FAN)
-        self._faces = storage.reserve(
-            self._faces, tetras=len(rows), borders=4 * len(rows), records=8 * min(len(rows), 1), fan=len(rows)
-        )
+        self._faces = storage.reserve(self._faces, tetras=len(rows))
         before, done = self.n_tetrahedra, 0
         refusal = edit.FULL
         while refusal == edit.FULL:
             done, refusal = _add_many(self._faces, rows, done)
             if refusal == edit.FULL:
-                self._faces = storage.reserve(self._faces, records=8)
+                self._faces = storage.reserve(self._faces, borders=4, records=8, fan=1)
         self._after_adding(before)
         if done == 0:  # nothing happened, so not even that bound shall be another
             self._faces.counters[storage.LARGEST_FAN] = bound
@@ -534,16 +542,20 @@ class Mesh:
 
     def garbage_collect(self) -> int:
         """Remove the flagged tetrahedra; returns how many. Handles of tetrahedra and half-faces are invalid afterwards."""
+        self._after_kernels()
         before = self._before_collecting()
         gone = self._count(storage.FLAGGED)
         self._faces, moved_from, moved_to = collect.collect(self._faces)
         self._after_collecting(before, moved_from, moved_to)
         return gone
 
-    def clear_mesh(self, tetrahedra_only: bool = False) -> None:
-        """Remove all tetrahedra, and unless `tetrahedra_only` all vertices."""
+    def clear_mesh(self) -> None:
+        """Remove all tetrahedra."""
         _set_all_flags(self._faces)
         self.garbage_collect()
+
+    def _after_kernels(self) -> None:
+        """What has to follow tetrahedra that kernels have added to the storage since the last change."""
 
     def _after_adding(self, before: int) -> None:
         """What has to follow tetrahedra that have come, those from `before` on."""
@@ -614,8 +626,8 @@ def _whole(handle: object) -> int:
         raise InputError(f"a handle is a whole number, not a {type(handle).__name__}") from None
 
 
-def _handles(handles: ArrayLike) -> NDArray[np.int64]:
-    given = np.asarray(handles)
+def _handles(handles: ArrayLike | Operand) -> NDArray[np.int64]:
+    given = np.asarray(handles.evaluate().handles if isinstance(handles, Operand) else handles)
     if given.ndim != 1 or (given.dtype.kind not in "iu" and given.size):
         raise InputError(f"handles are whole numbers of the shape (n,), not {given.dtype} {given.shape}")
     return np.require(given, np.int64, ["C", "W", "O"])
@@ -647,6 +659,12 @@ def _add_many(mesh: HalfFaces, tets: Any, begin: int) -> tuple[Any, Any]:
         if t < 0:
             return row, t
     return len(tets), np.int64(0)
+
+
+@kernel(allocates=False)
+def _add_vertices(mesh: HalfFaces, added: Any, reuse: bool) -> None:
+    for n in range(len(added)):
+        added[n] = edit.add_vertex(mesh, reuse)
 
 
 @kernel(allocates=False)

@@ -21,6 +21,7 @@ from tetrabench.backends.tetra.halfface.compound import (
     base_of,
     compound,
     extension_of,
+    refuse_beyond,
 )
 from tetrabench.backends.tetra.halfface.permutations import place_of
 from tetrabench.jit import kernel
@@ -99,6 +100,9 @@ def reserve(
     """A storage with room for so many more of each, and for walks around so many tetras more: this one, or a grown one.
 
     Arrays grow by a quarter, and by 1,024 at least. An outgrown storage must not be used any more.
+
+    Raises:
+        InputError: more than the words can count.
     """
     counters = mesh.counters
     sizes = {
@@ -111,6 +115,7 @@ def reserve(
     }
     wanting = {name: size for name, size in sizes.items() if size > len(getattr(mesh, name))}
     if wanting:
+        refuse_beyond(8 * mesh.adjacency.itemsize, **{f"rows of {name}": size for name, size in wanting.items()})
         mesh = mesh._replace(
             **{name: grown(getattr(mesh, name), _enough(mesh, name, wanting[name])) for name in wanting}
         )
@@ -123,7 +128,7 @@ def _with_fans(mesh: HalfFaces, tetras: int) -> HalfFaces:
         mesh.counters[LARGEST_FAN] = _largest_fan(mesh)  # what is noted is no more than a bound
     wanted = int(mesh.counters[LARGEST_FAN]) + tetras
     if wanted > len(mesh.queue):
-        fan = max(wanted, len(mesh.queue) * 5 // 4)
+        fan = max(wanted, len(mesh.queue) + max(len(mesh.queue) // 4, 1024))
         mesh = mesh._replace(queue=np.empty(fan, np.int64), table=np.zeros(_table_size(fan), np.int64))
         mesh.walk[:] = 1, 0, 0
     return mesh

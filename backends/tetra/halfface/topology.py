@@ -118,6 +118,8 @@ def insert_tetra(net, a, b, c, d):
 @kernel(allocates=False)
 def _insert_tetra(net: Net, a: int, b: int, c: int, d: int) -> Any:
     edit.check_editable(net)
+    if net.incidence.counters[TETRAS] >= len(net.layout.volume):  # fields and half-faces grow apart
+        raise ValueError("no room for a tetra: call reserve first")
     t = add_tetrahedron(net.incidence, a, b, c, d)
     if t < 0:
         if t == EQUAL:
@@ -260,7 +262,9 @@ def _children(net: Net, refs: NDArray[np.int64]) -> tuple[Net, HalfFaces, NDArra
 
 def _with_room(net: Net, tetras: int) -> Net:
     """The net with room for so many more tetras."""
-    mesh = reserve(net.incidence, tetras=tetras, borders=tetras)
+    mesh = reserve(
+        net.incidence, tetras=tetras, borders=3 * tetras
+    )  # before the parents' and the children's are joined
     if len(mesh.connectivity) > len(net.layout.volume):
         net = net._replace(layout=TetraFields(*(grown(field, len(mesh.connectivity)) for field in net.layout)))
     return _with_topology(net, mesh)
