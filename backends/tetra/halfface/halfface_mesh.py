@@ -11,10 +11,11 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from tetrabench.backends.tetra.halfface import conjoin, edit, storage
 from tetrabench.backends.tetra.halfface.attributes import Attributes, DenseAttribute, SparseAttribute
+from tetrabench.backends.tetra.halfface.block import whole_number
 from tetrabench.backends.tetra.halfface.compound import BORDER, refuse_beyond
 from tetrabench.backends.tetra.halfface.construct import construct
 from tetrabench.backends.tetra.halfface.handles import INVALID, Element, HalfFace, Tetrahedron, Vertex
-from tetrabench.backends.tetra.halfface.mesh import Mesh, _whole
+from tetrabench.backends.tetra.halfface.mesh import Mesh
 from tetrabench.backends.tetra.halfface.storage import HalfFaces
 from tetrabench.errors import InputError
 
@@ -39,7 +40,7 @@ class HalfFaceMesh(Mesh):
         Raises:
             InputError: more than the words can count, or no such words.
         """
-        vertices = _whole(vertices)
+        vertices = whole_number(vertices)
         refuse_beyond(bits, vertices=vertices)
         self._adopt(storage.make_halffaces(vertices, 0, 0, bits=bits), reuse_vertices)
 
@@ -85,7 +86,7 @@ class HalfFaceMesh(Mesh):
         Raises:
             InputError: more than the words can count.
         """
-        count = _whole(count)
+        count = whole_number(count)
         if count < 0:
             raise InputError(f"{count} vertices cannot be added")
         self._refuse_beyond(vertices=count)
@@ -117,7 +118,7 @@ class HalfFaceMesh(Mesh):
 
     def vertex_deleted(self, v: Vertex) -> bool:
         """Whether a vertex was deleted, and is not in use again."""
-        if _whole(v) not in self.kernel_iterator(Element.VERTEX):
+        if whole_number(v) not in self.kernel_iterator(Element.VERTEX):
             raise InputError(f"there is no vertex {v}")
         return bool(storage.says_deleted(self._faces, v))
 

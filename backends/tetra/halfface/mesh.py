@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tetrabench.backends.tetra.halfface import audit, collect, edit, find, queries, storage
+from tetrabench.backends.tetra.halfface.block import whole_number
 from tetrabench.backends.tetra.halfface.circulate import Circulator, list_around_edge
 from tetrabench.backends.tetra.halfface.compound import BORDER, DELETED, FLAG, INNER, refuse_beyond
 from tetrabench.backends.tetra.halfface.construct import rows_of
@@ -143,7 +144,7 @@ class Mesh:
 
     def is_valid(self, element: Element, handle: int) -> bool:
         """Whether a handle stands for an element: a flagged tetrahedron does, a deleted vertex does not."""
-        handle = _whole(handle)
+        handle = whole_number(handle)
         if handle < 0:
             return False
         if element in (Element.VERTEX, Element.BORDER_HALFFACE, Element.TETRAHEDRON):
@@ -172,7 +173,7 @@ class Mesh:
 
     def index_to_handle(self, element: Element, index: int) -> int:
         """The vertex, tetrahedron or border half-face at a place among those of its kind, deleted ones too."""
-        if _whole(index) not in self.kernel_iterator(element):
+        if whole_number(index) not in self.kernel_iterator(element):
             raise InputError(f"there is no {element.value} number {index}")
         return operator.index(index)
 
@@ -180,7 +181,7 @@ class Mesh:
 
     def edge_to_vertices(self, edge: Edge) -> tuple[Vertex, Vertex]:
         """The two vertices of an edge, the lower one first; it need not be there."""
-        edge = Edge(_whole(edge))
+        edge = Edge(whole_number(edge))
         if edge < 0:
             raise InputError(f"{edge} is no edge")
         return Vertex(edge >> queries.EDGE_BITS), Vertex(edge & ((1 << queries.EDGE_BITS) - 1))
@@ -476,7 +477,11 @@ class Mesh:
         Raises:
             InputError: more than the words can count, or less than nothing.
         """
-        vertices, tetrahedra, border_halffaces = _whole(vertices), _whole(tetrahedra), _whole(border_halffaces)
+        vertices, tetrahedra, border_halffaces = (
+            whole_number(vertices),
+            whole_number(tetrahedra),
+            whole_number(border_halffaces),
+        )
         if min(vertices, tetrahedra, border_halffaces) < 0:
             raise InputError("there cannot be room for less than nothing")
         self._refuse_beyond(vertices=vertices, tetrahedra=tetrahedra, border_halffaces=border_halffaces)
@@ -619,13 +624,6 @@ class Skipping:
         return self._mesh.mesh_size(self._element) - int(flagged)
 
 
-def _whole(handle: object) -> int:
-    try:
-        return operator.index(handle)  # type: ignore[arg-type]
-    except TypeError:
-        raise InputError(f"a handle is a whole number, not a {type(handle).__name__}") from None
-
-
 def _handles(handles: ArrayLike | Operand) -> NDArray[np.int64]:
     given = np.asarray(handles.evaluate().handles if isinstance(handles, Operand) else handles)
     if given.ndim != 1 or (given.dtype.kind not in "iu" and given.size):
@@ -634,9 +632,9 @@ def _handles(handles: ArrayLike | Operand) -> NDArray[np.int64]:
 
 
 def _below(k: object, count: int, what: str) -> int:
-    if not 0 <= _whole(k) < count:
+    if not 0 <= whole_number(k) < count:
         raise InputError(f"a tetrahedron has the {what}s 0 to {count - 1}, not {k}")
-    return _whole(k)
+    return whole_number(k)
 
 
 def _of_these(element: Any, elements: Any) -> Element:

@@ -19,6 +19,7 @@ as std::set_union and its like do in C++, which the source is written in. So the
 """
 
 import sys
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator
 from functools import reduce
 from typing import NamedTuple, TypeVar
@@ -63,7 +64,7 @@ class Page(NamedTuple):
     end: int
 
 
-class Operand:
+class Operand(ABC):
     """What set algebra takes: a set, a multiset, an expression.
 
     Subclasses say how often they have a handle (`_count`, `_counts`) and list what they have in pages (`_page`); all else
@@ -80,32 +81,32 @@ class Operand:
     __hash__ = None  # type: ignore[assignment]
 
     @property
+    @abstractmethod
     def multiple(self) -> bool:
         """Whether it may have an element more than once."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _count(self, handle: int) -> int:
         """How often a handle is there; `handle` is 0 to LARGEST."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _counts(self, handles: Handles) -> Handles:
         """How often each of (n,) ascending handles is there, (n,) int64."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _page(self, after: int, most: int) -> Page:
         """The elements beyond the handle `after`, up to some handle that is near enough for few of them.
 
         No set or multiset puts in more than `most`.
         """
-        raise NotImplementedError
 
+    @abstractmethod
     def _bound(self) -> int:
         """There are no more distinct elements than that."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _frozen(self) -> "Operand":
         """The same with the elements of this moment, whatever is done to it later. Copies none of them."""
-        raise NotImplementedError
 
     def _pages(self) -> Iterator[Page]:
         """All elements, ascending; first a short page, for a question may be answered by the first of them."""

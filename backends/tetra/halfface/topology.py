@@ -28,7 +28,9 @@ from tetrabench.backends.tetra.halfface.storage import (
     FREE_RECORDS,
     LARGEST_FAN,
     RECORDS,
+    STAMP,
     TETRAS,
+    VISITED,
     HalfFaces,
     array_sizes,
     first_record,
@@ -186,7 +188,7 @@ def grown_incidence(net, points, tetras):
     while table < 2 * fan:
         table *= 2
     walk = mesh.walk.copy()
-    walk[0], walk[1] = 1, 0
+    walk[STAMP], walk[VISITED] = 1, 0
     return HalfFaces(
         _longer(mesh.connectivity, slots),
         _longer(mesh.adjacency, slots),
