@@ -12,6 +12,8 @@ and implemented for the type of `net.layout` (a NamedTuple class):
     def volume(net, t):
         return net.layout.volume[t]
 
+Where nothing but the storage is asked, it is the argument itself: `@generic()`.
+
 The one registration serves numba, through `numba.extending.overload`, and plain Python, so that every kernel also
 runs with the JIT off, in a debugger and under coverage (a bare overload stub would return None there).
 
@@ -31,20 +33,20 @@ Function = Callable[..., Any]
 _IMPLEMENTATIONS: dict[Function, dict[type, Function]] = {}
 
 
-def generic(*, on: str) -> Callable[[Function], Function]:
-    """Declare a function whose first argument is a net, dispatched on the class of the net's field `on`."""
+def generic(*, on: str | None = None) -> Callable[[Function], Function]:
+    """Declare a function that is dispatched on the class of its first argument, or of that one's field `on`."""
 
     def declare(contract: Function) -> Function:
         table: dict[type, Function] = {}
 
         def dispatch(*arguments: Any) -> Any:
-            storage = type(getattr(arguments[0], on))
+            storage = type(arguments[0] if on is None else getattr(arguments[0], on))
             if storage not in table:
                 raise TypeError(_missing(contract, storage))
             return table[storage](*arguments)
 
         def choose(net: Any, *_: Any) -> Function:
-            storage = net.types[net.fields.index(on)].instance_class
+            storage = (net if on is None else net.types[net.fields.index(on)]).instance_class
             if storage not in table:
                 raise TypingError(_missing(contract, storage))
             return table[storage]
