@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tetrabench.backends.polygon.lists import Rows, describe_lists, put_stars
+from tetrabench.backends.polygon.lists import describe_lists, put_stars
 from tetrabench.jit import implements, kernel
 from tetrabench.mesh.polygon.connect import NOBODY, count_around
 from tetrabench.polygon import interface
@@ -34,13 +34,91 @@ class ByNode(NamedTuple):
 
 def make_by_node(links):
     """The storage of a mesh."""
-    edges, corner = np.empty_like(links.first), np.zeros(len(links.first), np.bool_)
-    count_around(links, edges)
-    at_boundary = np.flatnonzero(links.twin[links.first] == NOBODY)
-    storage_of = lambda lists, room: ByNode(  # noqa: E731
-        lists, np.empty(room, np.int32), np.empty(room, np.int32), links.nodes[links.starts[:-1]]
-    )
-    plain = describe_lists(edges)
-    storage = storage_of(plain, edges.sum())
-    put_stars(links, plain, storage.neighbours, storage.cells)
+    corners, right = find_corners(links)
+    lengths = np.empty_like(links.first)
+    count_around(links, lengths)
+    lengths[corners] += 1
+    lists, room = describe_lists(lengths), lengths.sum()
+    storage = ByNode(lists, np.empty(room, np.int32), np.empty(room, np.int32), links.nodes[links.starts[:-1]])
+    put_stars(links, lists, storage.neighbours, storage.cells)
+    last = lists[corners].sum(axis=1) - 1
+    storage.neighbours[last] = corners
+    storage.cells[last] = right
     return storage
+
+
+def find_corners(links):
+    """The nodes whose two boundary edges have different conditions, and that of their right edges, seen from outside."""
+    sides = np.flatnonzero(links.twin == NOBODY)
+    cells = links.cell[sides]
+    following = np.where(sides + 1 < links.starts[cells + 1], sides + 1, links.starts[cells])
+    right, left = np.zeros_like(links.first), np.zeros_like(links.first)
+    right[links.nodes[sides]] = left[links.nodes[following]] = links.conditions[sides]
+    corners = np.flatnonzero(right != left)
+    return corners, right[corners]
+
+
+@implements(interface.number_of_cells, ByNode)
+def number_of_cells(storage):
+    return len(storage.cell_node)
+
+
+@implements(interface.number_of_nodes, ByNode)
+def number_of_nodes(storage):
+    return len(storage.lists)
+
+
+@implements(interface.cell_nodes, ByNode)
+def cell_nodes(storage, c, out):
+    return go_round(storage, c, out, True)
+
+
+@implements(interface.cell_neighbours, ByNode)
+def cell_neighbours(storage, c, out):
+    return go_round(storage, c, out, False)
+
+
+@kernel(allocates=False, inline=True)
+def go_round(storage, c, out, wants_nodes):
+    """From node to node along cell c: its nodes, or what lies beyond its sides."""
+    first = np.int64(storage.cell_node[np.uint64(c)])
+    v, count = first, 0
+    while True:
+        start = np.int64(storage.lists[np.uint64(v), 0])
+        place = start
+        while storage.cells[np.uint64(place)] != c:
+            place += 1
+        if wants_nodes:
+            out[np.uint64(count)] = v
+        else:
+            before = place - 1 if place > start else start + storage.lists[np.uint64(v), 1] - 1
+            out[np.uint64(count)] = storage.cells[np.uint64(before)]
+        count += 1
+        v = np.int64(storage.neighbours[np.uint64(place)])
+        if v == first:
+            return count
+
+
+@implements(interface.node_cells, ByNode)
+def node_cells(storage, v, out):
+    start, count = storage.lists[np.uint64(v), 0], np.int64(storage.lists[np.uint64(v), 1])
+    for j in range(count):
+        out[np.uint64(j)] = storage.cells[np.uint64(start + j)]
+    return count
+
+
+@implements(interface.node_neighbours, ByNode)
+def node_neighbours(storage, v, out):
+    start, count = storage.lists[np.uint64(v), 0], np.int64(storage.lists[np.uint64(v), 1])
+    for j in range(count):
+        out[np.uint64(j)] = storage.neighbours[np.uint64(start + j)]
+    return count - (out[np.uint64(count - 1)] == v)
+
+
+@implements(interface.node_star, ByNode)
+def node_star(storage, v, nodes, cells):
+    start, count = storage.lists[np.uint64(v), 0], np.int64(storage.lists[np.uint64(v), 1])
+    for j in range(count):
+        nodes[np.uint64(j)] = storage.neighbours[np.uint64(start + j)]
+        cells[np.uint64(j)] = storage.cells[np.uint64(start + j)]
+    return count - (nodes[np.uint64(count - 1)] == v)

@@ -9,9 +9,6 @@ from numpy.typing import NDArray
 from tetrabench.jit import kernel
 from tetrabench.mesh.polygon.connect import NOBODY, Connections, after, number_edges
 
-V1, C1 = 0, 2
-"""Columns of an edge; those of its other side, V2 and C2, are one beyond."""
-
 Rows = NDArray[np.int32]
 
 
@@ -32,3 +29,23 @@ def put_edges(links: Connections, edge: Rows, rows: Rows) -> None:
             row[0], row[1], row[2], row[3] = b, a, links.conditions[np.uint64(x)], links.cell[np.uint64(x)]
         elif x < twin:
             row[0], row[1], row[2], row[3] = a, b, links.cell[np.uint64(x)], links.cell[np.uint64(twin)]
+
+
+@kernel(allocates=False, inline=True)
+def list_nodes(storage, c, out):
+    """The nodes of cell c, where it lists its edges."""
+    start, count = storage.lists[np.uint64(c), 0], np.int64(storage.lists[np.uint64(c), 1])
+    for j in range(count):
+        row = np.uint64(storage.cell_edges[np.uint64(start + j)])
+        out[np.uint64(j)] = storage.edge[row, np.uint64(storage.edge[row, 2] != c)]
+    return count
+
+
+@kernel(allocates=False, inline=True)
+def list_beyond(storage, c, out):
+    """What lies beyond the sides of cell c, where it lists its edges."""
+    start, count = storage.lists[np.uint64(c), 0], np.int64(storage.lists[np.uint64(c), 1])
+    for j in range(count):
+        row = np.uint64(storage.cell_edges[np.uint64(start + j)])
+        out[np.uint64(j)] = storage.edge[row, np.uint64(2 + (storage.edge[row, 2] == c))]
+    return count

@@ -132,7 +132,7 @@ def pair_sides(links: Connections, begins: Rows, around: Rows) -> bool:
 
 @kernel(allocates=False)
 def choose_first(links: Connections, begins: Rows, around: Rows) -> bool:
-    """Find the first corner of each node; False where the corners of a node are not one fan, or a node has none."""
+    """Find the first corner of each node; False where its corners are not one fan of different cells, or it has none."""
     fine = True
     for v in range(len(links.first)):
         begin, end = begins[np.uint64(v)], begins[np.uint64(v + 1)]
@@ -143,6 +143,8 @@ def choose_first(links: Connections, begins: Rows, around: Rows) -> bool:
             x = np.int64(around[np.uint64(place)])
             if links.twin[np.uint64(x)] == NOBODY:
                 first = x
+            if place > begin:  # corners of one cell would be next to each other
+                fine = fine and links.cell[np.uint64(x)] != links.cell[np.uint64(around[np.uint64(place - 1)])]
         links.first[np.uint64(v)] = first
         x, passed = first, 0
         while x != NOBODY and (passed == 0 or x != first) and passed <= end - begin:
