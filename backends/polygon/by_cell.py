@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tetrabench.backends.polygon.lists import describe_lists, put_sides
+from tetrabench.backends.polygon.lists import copy_items, describe_lists, put_sides
 from tetrabench.jit import implements, kernel
 from tetrabench.polygon import interface
 
@@ -49,17 +49,15 @@ def number_of_nodes(storage):
 
 @implements(interface.cell_nodes, ByCell)
 def cell_nodes(storage, c, out):
-    start, count = storage.lists[np.uint64(c), 0], np.int64(storage.lists[np.uint64(c), 1])
-    for j in range(count):
-        out[np.uint64(j)] = storage.nodes[np.uint64(start + j)]
+    start, count = np.int64(storage.lists[np.uint64(c), 0]), np.int64(storage.lists[np.uint64(c), 1])
+    copy_items(storage.nodes, start, count, out)
     return count
 
 
 @implements(interface.cell_neighbours, ByCell)
 def cell_neighbours(storage, c, out):
-    start, count = storage.lists[np.uint64(c), 0], np.int64(storage.lists[np.uint64(c), 1])
-    for j in range(count):
-        out[np.uint64(j)] = storage.neighbours[np.uint64(start + j)]
+    start, count = np.int64(storage.lists[np.uint64(c), 0]), np.int64(storage.lists[np.uint64(c), 1])
+    copy_items(storage.neighbours, start, count, out)
     return count
 
 

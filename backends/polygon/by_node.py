@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tetrabench.backends.polygon.lists import describe_lists, put_stars
+from tetrabench.backends.polygon.lists import copy_items, describe_lists, put_stars
 from tetrabench.jit import implements, kernel
 from tetrabench.mesh.polygon.connect import NOBODY, count_around
 from tetrabench.polygon import interface
@@ -101,24 +101,21 @@ def go_round(storage, c, out, wants_nodes):
 
 @implements(interface.node_cells, ByNode)
 def node_cells(storage, v, out):
-    start, count = storage.lists[np.uint64(v), 0], np.int64(storage.lists[np.uint64(v), 1])
-    for j in range(count):
-        out[np.uint64(j)] = storage.cells[np.uint64(start + j)]
+    start, count = np.int64(storage.lists[np.uint64(v), 0]), np.int64(storage.lists[np.uint64(v), 1])
+    copy_items(storage.cells, start, count, out)
     return count
 
 
 @implements(interface.node_neighbours, ByNode)
 def node_neighbours(storage, v, out):
-    start, count = storage.lists[np.uint64(v), 0], np.int64(storage.lists[np.uint64(v), 1])
-    for j in range(count):
-        out[np.uint64(j)] = storage.neighbours[np.uint64(start + j)]
+    start, count = np.int64(storage.lists[np.uint64(v), 0]), np.int64(storage.lists[np.uint64(v), 1])
+    copy_items(storage.neighbours, start, count, out)
     return count - (out[np.uint64(count - 1)] == v)
 
 
 @implements(interface.node_star, ByNode)
 def node_star(storage, v, nodes, cells):
-    start, count = storage.lists[np.uint64(v), 0], np.int64(storage.lists[np.uint64(v), 1])
-    for j in range(count):
-        nodes[np.uint64(j)] = storage.neighbours[np.uint64(start + j)]
-        cells[np.uint64(j)] = storage.cells[np.uint64(start + j)]
+    start, count = np.int64(storage.lists[np.uint64(v), 0]), np.int64(storage.lists[np.uint64(v), 1])
+    copy_items(storage.neighbours, start, count, nodes)
+    copy_items(storage.cells, start, count, cells)
     return count - (nodes[np.uint64(count - 1)] == v)

@@ -49,7 +49,9 @@ def put_half_edges(links, half, rows):
         row = rows[np.uint64(h)]
         row[TARGET], row[CELL] = b, links.cell[np.uint64(x)]
         row[NEXT], row[PREVIOUS] = half[np.uint64(after(links, x))], half[np.uint64(before(links, x))]
-        if links.twin[np.uint64(x)] == NOBODY:  # outside they run the other way; the one before begins where this one ends
+        if (
+            links.twin[np.uint64(x)] == NOBODY
+        ):  # outside they run the other way; the one before begins where this one ends
             ahead = half[np.uint64(links.first[b])] ^ 1
             row = rows[np.uint64(h ^ 1)]
             row[TARGET], row[CELL], row[PREVIOUS] = a, links.conditions[np.uint64(x)], ahead

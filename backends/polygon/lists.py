@@ -26,6 +26,20 @@ def lists_around(links: Connections) -> Lists:
     return describe_lists(lengths)
 
 
+@kernel(allocates=False, inline=True)
+def copy_items(items: Rows, start: int, count: int, out: Rows) -> None:
+    """Copy a list. Four items at a time by hand: the compiler's own vector loop is for long lists, and delays short ones."""
+    j = np.int64(0)
+    while j + 4 <= count:
+        a, b = items[np.uint64(start + j)], items[np.uint64(start + j + 1)]
+        c, d = items[np.uint64(start + j + 2)], items[np.uint64(start + j + 3)]
+        out[np.uint64(j)], out[np.uint64(j + 1)], out[np.uint64(j + 2)], out[np.uint64(j + 3)] = a, b, c, d
+        j += 4
+    while j < count:
+        out[np.uint64(j)] = items[np.uint64(start + j)]
+        j += 1
+
+
 @kernel(allocates=False)
 def put_sides(links: Connections, neighbours: Rows) -> None:
     """For each corner what lies beyond its side, into `neighbours` (s,) int32."""

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tetrabench.backends.polygon.lists import lists_around, put_sides, put_stars
+from tetrabench.backends.polygon.lists import copy_items, lists_around, put_sides, put_stars
 from tetrabench.jit import implements, kernel
 from tetrabench.polygon import interface
 
@@ -81,6 +81,5 @@ def copy_list(starts, items, element, out):
     """The list of an element."""
     start = np.int64(starts[np.uint64(element)])
     count = np.int64(starts[np.uint64(element + 1)]) - start
-    for j in range(count):
-        out[np.uint64(j)] = items[np.uint64(start + j)]
+    copy_items(items, start, count, out)
     return count

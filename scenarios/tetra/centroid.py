@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tetrabench.jit import kernel
+from tetrabench.jit.mix import mixed_with
 from tetrabench.protocols import Answer, Work
 from tetrabench.scenarios.tetra.base import TetraScenario
-from tetrabench.tetra.digest import mixed_with
 from tetrabench.tetra.geometry import signed_volume
 from tetrabench.tetra.interface import NONE, Net, first_tetra, next_tetra, vertex
 from tetrabench.tetra.net import TetraNet

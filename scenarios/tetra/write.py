@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tetrabench.io import read_mesh, write_mesh
+from tetrabench.jit.mix import mixed_with
 from tetrabench.protocols import Answer, Options, Work
 from tetrabench.scenarios.tetra.base import TetraScenario
-from tetrabench.tetra.digest import mixed_with
 from tetrabench.tetra.net import TetraNet
 
 

@@ -26,9 +26,7 @@ class Twin:
 
     def cell_neighbours(self, c: int) -> list[int]:
         cell = self.cells[c]
-        return [
-            self._owner.get((b, a), self._condition[a, b]) for a, b in zip(cell, cell[1:] + cell[:1], strict=True)
-        ]
+        return [self._owner.get((b, a), self._condition[a, b]) for a, b in zip(cell, cell[1:] + cell[:1], strict=True)]
 
     def star(self, v: int) -> tuple[list[int], list[int]]:
         """Neighbours and cells of a node, each cell between its neighbour and the next; a condition last at the boundary."""

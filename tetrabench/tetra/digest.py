@@ -3,8 +3,6 @@
 The digest is the sum, modulo 2^64, over the live tetras of a mix of: the four vertex ids in rising order; behind the side
 opposite each of them, in that order, the vertex ids of the neighbour (or that there is none); and the bits of volume and
 states. A vertex id is the point's place in the file; inserted points follow in order of insertion. Nothing is rounded.
-
-Mixing function: MurmurHash3's 64-bit finalizer with the constants of David Stafford's variant 13.
 """
 
 from typing import Any
@@ -13,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetrabench.jit import kernel
+from tetrabench.jit.mix import SEED, mix, mixed_with
 from tetrabench.protocols import Answer
 from tetrabench.tetra.interface import (
     NONE,
@@ -28,8 +27,6 @@ from tetrabench.tetra.interface import (
 )
 from tetrabench.tetra.points import COUNT
 
-SEED = 0x9E3779B97F4A7C15
-_ALL = 0xFFFFFFFFFFFFFFFF
 _NOBODY = np.uint64(0x5BD1E995)
 
 
@@ -52,32 +49,6 @@ def net_answer(net: Net) -> Answer:
     if int(sums[0]) != figures["tetras"]:
         figures["tetras_visited"] = int(sums[0])
     return Answer(mixed_with(int(total[0]), figures["tetras"], figures["points"]), figures)
-
-
-def mixed_with(total: int, *counts: float) -> str:
-    """A digest as 16 hexadecimal digits: a sum of mixes, and the counts that belong to the answer."""
-    for count in counts:
-        total = mix_exactly(total ^ int(count))
-    return f"{total:016x}"
-
-
-def mix_exactly(z: int) -> int:
-    """`mix` in Python's own integers."""
-    z ^= z >> 30
-    z = z * 0xBF58476D1CE4E5B9 & _ALL
-    z ^= z >> 27
-    z = z * 0x94D049BB133111EB & _ALL
-    return z ^ (z >> 31)
-
-
-@kernel(allocates=False)
-def mix(z: Any) -> Any:
-    """Scramble 64 bits, one to one."""
-    z ^= z >> np.uint64(30)
-    z *= np.uint64(0xBF58476D1CE4E5B9)
-    z ^= z >> np.uint64(27)
-    z *= np.uint64(0x94D049BB133111EB)
-    return z ^ (z >> np.uint64(31))
 
 
 @kernel(allocates=False)
