@@ -6,6 +6,35 @@ A mix says how often: in sweeps where a scenario consists of sweeps, else how ma
 
 from tetrabench.protocols import Workload
 
+POLYGON = [
+    Workload(
+        name="lagrangian",
+        title="built once, then steps of a Lagrangian gas: a sum around each node, and one around each cell",
+        mix={"build": 1, "gasdynamics": 500},
+    ),
+    Workload(
+        name="finite-volume",
+        title="built once, then sweeps over cells: their nodes and what lies beyond their sides",
+        mix={"build": 1, "cell-nodes": 500, "cell-neighbours": 500},
+    ),
+    Workload(
+        name="smoothing",
+        title="built once, then sweeps over nodes: their neighbours and the cells around them",
+        mix={"build": 1, "node-neighbours": 500, "node-cells": 500},
+    ),
+    Workload(
+        name="queries",
+        title="built once, then asked here and there, each query as often",
+        mix={
+            "build": 1,
+            "random-cell-nodes": 100,
+            "random-cell-neighbours": 100,
+            "random-node-cells": 100,
+            "random-node-neighbours": 100,
+        },
+    ),
+]
+
 TETRA = [
     Workload(
         name="simulation",

@@ -23,6 +23,10 @@ class RepairableError(InputError):
     """A mesh whose faulty tetras can be left out: `--repair drop` does that."""
 
 
+class UnsupportedError(TetrabenchError):
+    """What a scenario cannot do with a contestant, or with a model: no fault of either."""
+
+
 class NotComparableError(TetrabenchError):
     """Two runs, or two revisions, that say nothing about each other."""
 

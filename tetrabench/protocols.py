@@ -119,7 +119,11 @@ class Scenario(Protocol):
 
     def prepare(self, stage: Any, options: Options) -> Any:
         """What `run` works on; fresh for every sample, and in the same state: what a first run would find missing and
-        leave behind is there. Untimed."""
+        leave behind is there. Untimed.
+
+        Raises:
+            UnsupportedError: the model is none that it has anything to do with; the cell is reported as unsupported.
+        """
 
     def run(self, subject: Any) -> Any:
         """The workload. The only thing that is timed; returns its outcome."""
@@ -139,6 +143,14 @@ class Family(Protocol):
     @property
     def reference(self) -> str:
         """The contestant that ratios refer to."""
+
+    @property
+    def default_model(self) -> str:
+        """The model that is taken where none is named."""
+
+    @property
+    def size_option(self) -> str:
+        """What the size of a model counts, and the option that sets it: "tets" for --tets."""
 
     @property
     def thesis_order(self) -> Sequence[str]:

@@ -1,7 +1,7 @@
 """By edge: an edge knows its nodes, its cells and the next edges; a cell and a node know one edge each. Source: section 4.
 
-The next edges turn counter-clockwise: E1 around V1, in the first cell, and E2 around V2, in the second. At a boundary edge, whose
-first cell is the boundary condition, E1 is the next boundary edge, so that a walk around a boundary node closes, too.
+The next edges turn counter-clockwise: E1 around V1, in the first cell, and E2 around V2, in the second. At a boundary edge,
+whose first cell is the boundary condition, E1 is the next boundary edge, so that a walk around a boundary node closes, too.
 
 So the edges of a cell follow one another clockwise: a cell knows the last of its edges, and its lists are turned round.
 """

@@ -1,7 +1,7 @@
-"""Half-edges: each side of each cell knows its end, the sides before and after, and its cell. Not in the source: the usual choice.
+"""Half-edges: each side of each cell knows its end, the sides before and after, and its cell. Ours: the usual choice today.
 
-Half-edges 2 e and 2 e + 1 are the two sides of edge e (as in S. Campagna, L. Kobbelt, H.-P. Seidel, Directed edges, 1998). Those
-outside have the boundary condition as their cell, and follow one another along the boundary.
+Half-edges 2 e and 2 e + 1 are the two sides of edge e (as in S. Campagna, L. Kobbelt, H.-P. Seidel, Directed edges, 1998).
+Those outside have the boundary condition as their cell, and follow one another along the boundary.
 """
 
 from typing import NamedTuple

@@ -1,4 +1,4 @@
-"""Tables: every list as it is asked for, one behind the other. Not in the source: the speed limit, and what it costs in memory."""
+"""Tables: every list as it is asked for, one behind the other. Ours: the speed limit, and what it costs in memory."""
 
 from typing import NamedTuple
 

@@ -171,6 +171,8 @@ def misbehave(name: str) -> None:
 class Family:
     name = "scripted"
     reference = "steady"
+    default_model = "tiny"
+    size_option = "tets"
     thesis_order = ("third", "first", "second")
     models = {"tiny": "three letters"}
 

@@ -5,8 +5,7 @@ from pathlib import Path
 import pytest
 
 from tetrabench.errors import InputError
-from tetrabench.io import read_mesh
-from tetrabench.tetra import family
+from tetrabench.io import read_mesh, shelf
 from tetrabench.tetra.family import FAMILY
 
 
@@ -29,14 +28,14 @@ def test_a_model_is_made_once(find):
 def test_a_model_that_other_code_made_is_not_taken(find, monkeypatch):
     old = find("box", 48)
     old.write_text("of a generator that has changed since")
-    family._generators_stamp.cache_clear()
+    shelf._stamp.cache_clear()
     read_bytes = Path.read_bytes
     changed = lambda path: read_bytes(path) + (b"# changed" if path.name == "box.py" else b"")  # noqa: E731
     monkeypatch.setattr(Path, "read_bytes", changed)
     try:
         new = find("box", 48)
     finally:
-        family._generators_stamp.cache_clear()
+        shelf._stamp.cache_clear()
     assert new != old
     assert len(read_mesh(new).tets) == 48
 

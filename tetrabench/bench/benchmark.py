@@ -30,8 +30,9 @@ GAUGED = 2
 
 
 def run(
-    model: str | Path,
+    model: str | Path | None = None,
     *,
+    family: str = "tetra",
     backends: Sequence[str] | None = None,
     scenarios: Sequence[str] | None = None,
     profile: str = "default",
@@ -51,6 +52,7 @@ def run(
     """
     plan = make_plan(
         model,
+        family=family,
         backends=backends,
         scenarios=scenarios,
         profile=profile,

@@ -47,6 +47,8 @@ class Registry:
         return Described(
             reference=kind.reference,
             thesis_order=list(kind.thesis_order),
+            default_model=kind.default_model,
+            size_option=kind.size_option,
             contestants=[
                 ContestantFacts(name=one.name, title=one.title, extension=one.extension)
                 for one in registry.contestants(family)

@@ -138,6 +138,8 @@ class Described(msgspec.Struct, frozen=True, tag=True, kw_only=True):
     thesis_order: list[str]
     contestants: list[ContestantFacts]
     scenarios: list[ScenarioFacts]
+    default_model: str = ""
+    size_option: str = "tets"
 
 
 class Found(msgspec.Struct, frozen=True, tag=True):

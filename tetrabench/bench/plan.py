@@ -97,7 +97,7 @@ def williams_row(names: Sequence[str], row: int) -> list[str]:
 
 
 def make_plan(
-    model: str | Path,
+    model: str | Path | None = None,
     *,
     family: str = "tetra",
     backends: Sequence[str] | None = None,
@@ -117,7 +117,7 @@ def make_plan(
     """Look up what is asked for by name; find the model, or have it generated.
 
     Args:
-        model: a file, or the name of a model that the family can generate.
+        model: a file, or the name of a model that the family can generate; the family's default if None.
         backends: all if None; the first one is the reference where the family's is not among them.
         scenarios: all if None, or with the thesis profile those of the source, in its order.
         reference: the backend that ratios refer to.
@@ -141,6 +141,7 @@ def make_plan(
         raise InputError("several numberings are compared with the natural one: add it, --numbering natural,...")
     guide = guide or Registry()
     kind = guide.describe(family)
+    model = kind.default_model if model is None else model
     chosen = _choose("backend", kind.contestants, backends)
     names = [contestant.name for contestant in chosen]
     if reference is None:
@@ -161,7 +162,7 @@ def make_plan(
         rigorous=profile == "rigorous",
         launches=launches,
         rounds=rounds,
-        tets=tets,
+        **{kind.size_option: tets},
         option=[f"{name}={','.join(map(str, values))}" for name, values in (options or {}).items()],
         numbering=numberings if numberings != ["natural"] else None,
         seed=seed or None,

@@ -42,7 +42,7 @@ from tetrabench.bench.messages import (
     encode,
 )
 from tetrabench.bench.yardsticks import measure_yardsticks
-from tetrabench.errors import InputError, MemoryRefusedError, TetrabenchError
+from tetrabench.errors import InputError, MemoryRefusedError, TetrabenchError, UnsupportedError
 from tetrabench.jit import count_compiled
 from tetrabench.memory import held_to_available
 from tetrabench.protocols import Contestant, Family, Options, Scenario, Stage
@@ -64,6 +64,8 @@ class Worker:
             return Failed(f"not enough memory: {_one_line(error)}", oom=True)
         except MemoryRefusedError as error:
             return Failed(_one_line(error), error.exit_code, oom=True)
+        except UnsupportedError as error:
+            return Skipped(_one_line(error))
         except (Exception, SystemExit) as error:
             return Failed(_one_line(error), error.exit_code if isinstance(error, InputError) else 0)
 

@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     from tetrabench.bench.catalogue import Guide
 
 HISTORY = "history.jsonl"
-MODEL, TETS = "nozzle", 30_000
-"""What a gate runs on unless told otherwise: ends in minutes."""
+SIZE = 30_000
+"""Of the model that a gate runs on unless told otherwise: it ends in minutes."""
 
 
 @click.command()
@@ -68,12 +68,11 @@ def gate(
     from tetrabench.bench.limits import limits_of
     from tetrabench.report.verdicts import gate_as
 
-    model = choices.pop("model")
-    if model is None:
-        model, choices["tets"] = MODEL, choices["tets"] or [TETS]
+    if choices["model"] is None:
+        choices["tets"] = choices["tets"] or [SIZE]
 
     def make(guide: Guide) -> Plan:
-        return make_plan(model, profile="rigorous", guide=guide, **choices)
+        return make_plan(profile="rigorous", guide=guide, **choices)
 
     with _ended_as_by_ctrl_c(), RunProgress() as progress:
         found = run_gate(Path.cwd(), base, head, make, limits_of(threshold), progress=progress, output=output)

@@ -152,14 +152,15 @@ timeout_option = click.option(
 
 def what_options(verb: Callable[..., Any]) -> Callable[..., Any]:
     """What `run` and `check` take: models, backends, scenarios."""
-    model = click.option("--model", required=True, metavar="FILE|NAME", help="A mesh file, or a model to generate.")
+    help_text = "A mesh file, or a model to generate.  [default: the family's]"
+    model = click.option("--model", metavar="FILE|NAME", help=help_text)
     reference = click.option("--reference", metavar="A", help="The backend that ratios refer to.")
     return _take(verb, [model, *_subject_options(), reference, seed_option])
 
 
 def gate_options(verb: Callable[..., Any]) -> Callable[..., Any]:
     """What `gate` takes of it: each backend is its own reference."""
-    help_text = "A mesh file, or a model to generate.  [default: nozzle of 30k]"
+    help_text = "A mesh file, or a model to generate.  [default: the family's, with 30k elements]"
     model = click.option("--model", metavar="FILE|NAME", help=help_text)
     return _take(verb, [model, *_subject_options(), seed_option])
 
@@ -172,7 +173,7 @@ def _subject_options() -> list[Callable[..., Any]]:
         family_option,
         click.option("--backend", "backends", **names),
         click.option("--scenario", "scenarios", **names),
-        click.option("--tets", callback=read_counts, metavar="N,N", help=size_help),
+        click.option("--tets", "--cells", "tets", callback=read_counts, metavar="N,N", help=size_help),
         click.option("--option", "options", multiple=True, callback=read_options, metavar="NAME=N,N", help=option_help),
         numberings_option,
     ]

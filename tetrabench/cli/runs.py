@@ -170,9 +170,8 @@ def look_up(choices: dict[str, Any], profile: str) -> Plan:
     from tetrabench.bench import make_plan
     from tetrabench.bench.catalogue import Inquiry
 
-    model = choices.pop("model")
-    with patience(f"looking up backends, scenarios and {model}"), Inquiry() as guide:
-        return make_plan(model, profile=profile, guide=guide, **choices)
+    with patience("looking up backends, scenarios and the model"), Inquiry() as guide:
+        return make_plan(profile=profile, guide=guide, **choices)
 
 
 def describe_plan(plan: Plan) -> str:

@@ -1,8 +1,8 @@
 """The answer to a query about many elements: one number that does not depend on where a format's lists begin.
 
-The digest is the sum, modulo 2^64, over the elements of a mix of: the element; and the sum over its list, taken as a circle, of a
-mix of each item with the next. Boundary conditions count among the neighbours of a cell, where formats cannot differ; around a
-node they are left out, for formats keep one or both.
+The digest is the sum, modulo 2^64, over the elements of a mix of: the element; and the sum over its list, taken as a circle,
+of a mix of each item with the next. Boundary conditions count among the neighbours of a cell, where formats cannot differ;
+around a node they are left out, for formats keep one or both.
 """
 
 import numpy as np

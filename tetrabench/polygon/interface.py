@@ -1,11 +1,11 @@
 """What every format must answer: four queries and one that joins two of them. All lists are complete and counter-clockwise.
 
-`storage` is the format's NamedTuple of arrays. An answer is written into `out`, (room,) int32 (see `polygon.net.list_room`), and
-its length returned. Where there is no cell, the number of the boundary condition stands instead: it is negative.
+`storage` is the format's NamedTuple of arrays. An answer is written into `out`, (room,) int32 (see `polygon.net.list_room`),
+and its length returned. Where there is no cell, the number of the boundary condition stands instead: it is negative.
 
-Lists may begin anywhere; those of formats that are made from the same `mesh.polygon.connect` begin alike: a cell's with the first
-node of its list in the mesh, a node's with the edge of its `first` corner. Then sums over them agree to the last bit, as the
-scenario gasdynamics asks.
+Lists may begin anywhere; those of formats that are made from the same `mesh.polygon.connect` begin alike: a cell's with the
+first node of its list in the mesh, a node's with the edge of its `first` corner. Then sums over them agree to the last bit,
+as the scenario gasdynamics asks.
 """
 
 from typing import Any

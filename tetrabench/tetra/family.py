@@ -1,18 +1,14 @@
 """The tetra family, as the harness sees it: its models, its reference contestant, its stage."""
 
-import functools
-import hashlib
 from collections.abc import Mapping
-from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
 
 import tetrabench.io
 import tetrabench.mesh
-from tetrabench.errors import InputError
-from tetrabench.folders import cache_root
-from tetrabench.io import check_target, is_file, known_suffix, read_mesh, write_mesh
+from tetrabench.io import check_target, known_suffix, read_mesh, write_mesh
+from tetrabench.io.shelf import Shelf
 from tetrabench.jit import kernel
 from tetrabench.mesh import TetraMesh
 from tetrabench.mesh.models import MODELS, generate
@@ -139,30 +135,33 @@ def _set_initial_states(net: Net) -> None:
         cursor = next_tetra(net, cursor)
 
 
+def _make(name: str, size: int | None, numbering: str, seed: int, path: Path) -> None:
+    write_mesh(generate(name, size, numbering=numbering, seed=seed), path)
+
+
+SHELF = Shelf(
+    sizes={name: model.tets for name, model in MODELS.items()},
+    suffix=".nas",
+    make=_make,
+    made_by=(tetrabench.mesh, tetrabench.io),
+    check_source=known_suffix,
+    check_target=check_target,
+)
+
+
 class TetraFamily:
     """Tetrahedral nets."""
 
     name = "tetra"
     reference = "v3y"
+    default_model = "nozzle"
+    size_option = "tets"
     thesis_order = ("init", "delete", "explode", "alfa", "flow", "free")
     models: Mapping[str, str] = {name: model.title for name, model in MODELS.items()}
 
     def find_model(self, model: str, *, size: int | None, numbering: str, seed: int) -> Path:
         """The file of a model: `model` is a path, or the name of one that is generated into the user's cache."""
-        if model not in MODELS:
-            path = Path(model)
-            if not is_file(path):
-                raise InputError(_how_to_get(path))
-            known_suffix(path)
-            if size is not None or numbering != "natural":
-                raise InputError(f"{model} is a file: a size or numbering can only be given for {', '.join(MODELS)}")
-            return path
-        folder = cache_root() / "models"
-        path = folder / f"{model}-{size or MODELS[model].tets}-{numbering}-{seed}-{_generators_stamp()}.nas"
-        if not path.is_file():
-            folder.mkdir(parents=True, exist_ok=True)
-            write_mesh(generate(model, size, numbering=numbering, seed=seed), path)
-        return path
+        return SHELF.find(model, size=size, numbering=numbering, seed=seed)
 
     def describe_model(self, path: Path) -> ModelFacts:
         """Tetras and points of a model, and the warnings of its reader."""
@@ -176,33 +175,6 @@ class TetraFamily:
     def stage(self, contestant: TetraContestant, model: Path, *, chained: bool) -> TetraStage:
         """A stage for a contestant of this family."""
         return TetraStage(contestant, model, chained=chained)
-
-
-@functools.cache
-def _generators_stamp() -> str:
-    """Eight digits that change with the code that makes models: those that other code made are not taken."""
-    digest = hashlib.sha256()
-    for package in (tetrabench.mesh, tetrabench.io):
-        for source in sorted(Path(package.__path__[0]).rglob("*.py")):
-            digest.update(source.read_bytes())
-    return digest.hexdigest()[:8]
-
-
-def _how_to_get(path: Path) -> str:
-    known = ", ".join(MODELS)
-    if path.stem in MODELS:
-        try:
-            check_target(path)
-            file = path
-        except InputError:
-            file = path.with_suffix(".nas")
-        return (
-            f"{path}: no such file. Make one with `tetrabench generate {path.stem} -o {file}`, "
-            f"or say `--model {path.stem}` to have one made for you"
-        )
-    near = get_close_matches(path.stem, MODELS, n=1)
-    hint = f"; did you mean {near[0]}?" if near else ""
-    return f"{path}: no such file, and no model of that name; models are {known}{hint}"
 
 
 FAMILY = TetraFamily()

@@ -4,7 +4,7 @@ All formats are made from this. Lists around a node begin at `first`: at a bound
 from outside, so that a walk counter-clockwise crosses the whole domain; elsewhere with its lowest corner.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,28 +68,28 @@ def connect(mesh: PolygonMesh) -> Connections:
 
 
 @kernel(allocates=False, inline=True)
-def after(links: Connections, x: int) -> int:
+def after(links: Connections, x: int) -> Any:
     """The next corner of the same cell, counter-clockwise."""
     end = links.starts[np.uint64(links.cell[np.uint64(x)] + 1)]
     return x + 1 if x + 1 < end else np.int64(links.starts[np.uint64(links.cell[np.uint64(x)])])
 
 
 @kernel(allocates=False, inline=True)
-def before(links: Connections, x: int) -> int:
+def before(links: Connections, x: int) -> Any:
     """The corner before, in the same cell."""
     begin = links.starts[np.uint64(links.cell[np.uint64(x)])]
     return x - 1 if x > begin else np.int64(links.starts[np.uint64(links.cell[np.uint64(x)] + 1)]) - 1
 
 
 @kernel(allocates=False, inline=True)
-def beyond(links: Connections, x: int) -> int:
+def beyond(links: Connections, x: int) -> Any:
     """What a cell sees beyond the side of its corner x: a cell, or the number of a boundary condition."""
     twin = np.int64(links.twin[np.uint64(x)])
     return np.int64(links.cell[np.uint64(twin)]) if twin >= 0 else np.int64(links.conditions[np.uint64(x)])
 
 
 @kernel(allocates=False, inline=True)
-def turn(links: Connections, x: int) -> int:
+def turn(links: Connections, x: int) -> Any:
     """The corner at the same node in the next cell counter-clockwise; NOBODY beyond the left boundary side."""
     return np.int64(links.twin[np.uint64(before(links, x))])
 
@@ -110,9 +110,9 @@ def sort_corners(links: Connections, begins: Rows, around: Rows) -> None:
     for v in range(1, len(begins)):
         begins[np.uint64(v)] += begins[np.uint64(v - 1)]
     for x in range(len(links.nodes)):
-        v = np.uint64(links.nodes[np.uint64(x)] + 1)
-        around[np.uint64(begins[v])] = x
-        begins[v] += 1
+        place = np.uint64(links.nodes[np.uint64(x)] + 1)
+        around[np.uint64(begins[place])] = x
+        begins[place] += 1
 
 
 @kernel(allocates=False)

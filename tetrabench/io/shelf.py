@@ -1,0 +1,81 @@
+"""The shelf: what `--model` may name in a family, generated models, which are kept in the user's cache, and files."""
+
+import functools
+import hashlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from types import ModuleType
+
+from tetrabench.errors import InputError
+from tetrabench.folders import cache_root
+from tetrabench.io import is_file
+
+
+@dataclass(frozen=True)
+class Shelf:
+    """The models of a family.
+
+    Attributes:
+        sizes: models that can be generated, name -> default size, in elements.
+        suffix: of the files that these are kept in.
+        make: (name, size or None, numbering, seed, path): generate a model into a file.
+        made_by: packages that generated models depend on: those that other code made are not taken.
+        check_source, check_target: refuse a path that no reader reads, or no writer writes, with an InputError.
+    """
+
+    sizes: Mapping[str, int]
+    suffix: str
+    make: Callable[[str, int | None, str, int, Path], None]
+    made_by: tuple[ModuleType, ...]
+    check_source: Callable[[Path], object]
+    check_target: Callable[[Path], object]
+
+    def find(self, model: str, *, size: int | None, numbering: str, seed: int) -> Path:
+        """The file of a model: `model` is a path, or the name of one that is generated if it is not there yet.
+
+        Raises:
+            InputError: there is no such file and no such model; says how to get one. Or what `make` refuses.
+        """
+        if model not in self.sizes:
+            path = Path(model)
+            if not is_file(path):
+                raise InputError(self._how_to_get(path))
+            self.check_source(path)
+            if size is not None or numbering != "natural":
+                raise InputError(
+                    f"{model} is a file: a size or numbering can only be given for {', '.join(self.sizes)}"
+                )
+            return path
+        folder = cache_root() / "models"
+        path = folder / f"{model}-{size or self.sizes[model]}-{numbering}-{seed}-{_stamp(self.made_by)}{self.suffix}"
+        if not path.is_file():
+            folder.mkdir(parents=True, exist_ok=True)
+            self.make(model, size, numbering, seed, path)
+        return path
+
+    def _how_to_get(self, path: Path) -> str:
+        if path.stem in self.sizes:
+            try:
+                self.check_target(path)
+                file = path
+            except InputError:
+                file = path.with_suffix(self.suffix)
+            return (
+                f"{path}: no such file. Make one with `tetrabench generate {path.stem} -o {file}`, "
+                f"or say `--model {path.stem}` to have one made for you"
+            )
+        near = get_close_matches(path.stem, self.sizes, n=1)
+        hint = f"; did you mean {near[0]}?" if near else ""
+        return f"{path}: no such file, and no model of that name; models are {', '.join(self.sizes)}{hint}"
+
+
+@functools.cache
+def _stamp(packages: tuple[ModuleType, ...]) -> str:
+    """Eight digits that change with the sources of packages."""
+    digest = hashlib.sha256()
+    for package in packages:
+        for source in sorted(Path(package.__path__[0]).rglob("*.py")):
+            digest.update(source.read_bytes())
+    return digest.hexdigest()[:8]
