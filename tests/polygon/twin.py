@@ -1,21 +1,32 @@
 """A mesh of polygons as dictionaries, made by looking everywhere: what every format must answer."""
 
+from collections.abc import Iterable
+
+from itertools import pairwise
+
 from tetrabench.mesh.polygon import PolygonMesh
 
 
 class Twin:
-    """The four queries, each as a list that begins anywhere. Boundary conditions: one in each node's cells, between the
-    neighbours left and right; `conditions(v)` has its left and its right boundary edge's."""
+    """The four queries as lists, which begin where the interface says that those of all formats do.
+
+    Boundary conditions: the left boundary edge's alone is in a node's cells, last; `conditions(v)` has the right one's too.
+
+    Attributes:
+        cells: the nodes of each cell.
+        owner: the cell that a side belongs to, by its two nodes in the cell's order.
+        condition: the condition of each side, 0 where a cell lies beyond it.
+    """
 
     def __init__(self, mesh: PolygonMesh) -> None:
         starts, nodes, conditions = mesh.starts.tolist(), mesh.nodes.tolist(), mesh.conditions.tolist()
-        self.cells = [nodes[begin:end] for begin, end in zip(starts, starts[1:], strict=False)]
+        self.cells = [nodes[begin:end] for begin, end in pairwise(starts)]
         self.number_of_nodes = len(mesh.points)
-        self._owner, self._condition = {}, {}
+        self.owner, self.condition = {}, {}
         for c, cell in enumerate(self.cells):
-            for j, side in enumerate(zip(cell, cell[1:] + cell[:1], strict=True)):
-                assert side not in self._owner
-                self._owner[side], self._condition[side] = c, conditions[starts[c] + j]
+            for j, side in enumerate(sides_of(cell)):
+                assert side not in self.owner
+                self.owner[side], self.condition[side] = c, conditions[starts[c] + j]
         self._nearby = {}
         for c, cell in enumerate(self.cells):
             for v in cell:
@@ -25,8 +36,17 @@ class Twin:
         return self.cells[c]
 
     def cell_neighbours(self, c: int) -> list[int]:
-        cell = self.cells[c]
-        return [self._owner.get((b, a), self._condition[a, b]) for a, b in zip(cell, cell[1:] + cell[:1], strict=True)]
+        return [self.beyond(side) for side in sides_of(self.cells[c])]
+
+    def node_neighbours(self, v: int) -> list[int]:
+        return self.star(v)[0]
+
+    def node_cells(self, v: int) -> list[int]:
+        return self.star(v)[1]
+
+    def beyond(self, side: tuple[int, int]) -> int:
+        """The cell beyond a side, or the side's condition."""
+        return self.owner.get(side[::-1], self.condition[side])
 
     def star(self, v: int) -> tuple[list[int], list[int]]:
         """Neighbours and cells of a node, each cell between its neighbour and the next; a condition last at the boundary."""
@@ -44,10 +64,44 @@ class Twin:
             cells.append(c)
         if begins:
             neighbours.append(previous_of[c])
-            cells.append(self._condition[previous_of[c], v])
+            cells.append(self.condition[previous_of[c], v])
         return neighbours, cells
 
     def conditions(self, v: int) -> list[int]:
-        """What a boundary node's left and right boundary edges have; [] elsewhere."""
+        """What a boundary node's left and right boundary edges have, seen from outside; [] elsewhere."""
         neighbours, cells = self.star(v)
-        return [cells[-1], self._condition[v, neighbours[0]]] if cells[-1] < 0 else []
+        return [cells[-1], self.condition[v, neighbours[0]]] if cells[-1] < 0 else []
+
+    def lists(self, query: str) -> list[list[int]]:
+        """All lists of a query, by its name."""
+        ask = getattr(self, query.replace("-", "_"))
+        return [ask(x) for x in range(self.number_of_nodes if query.startswith("node") else len(self.cells))]
+
+    @property
+    def edges(self) -> set[frozenset[int]]:
+        """All edges, by their two nodes."""
+        return {frozenset(side) for side in self.owner}
+
+    @property
+    def corners(self) -> list[int]:
+        """The corners of the domain: nodes whose two boundary edges have different conditions."""
+        return [v for v in range(self.number_of_nodes) if len(set(self.conditions(v))) == 2]
+
+
+def sides_of(cell: list[int]) -> list[tuple[int, int]]:
+    """The sides of a cell, each as its two nodes, in its order."""
+    return list(zip(cell, cell[1:] + cell[:1], strict=True))
+
+
+def as_lists(starts: Iterable[int], items: Iterable[int]) -> list[list[int]]:
+    """Lists that lie one behind the other, one by one."""
+    starts, items = list(map(int, starts)), list(map(int, items))
+    assert starts[0] == 0
+    assert starts[-1] == len(items)
+    return [items[begin:end] for begin, end in zip(starts, starts[1:], strict=False)]
+
+
+def circle(items: Iterable[int]) -> tuple[int, ...]:
+    """A list as a circle: turned so that it is the least of all its turns."""
+    items = list(items)
+    return min((tuple(items[j:] + items[:j]) for j in range(len(items))), default=())
