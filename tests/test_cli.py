@@ -75,7 +75,6 @@ def test_version_and_help():
 @pytest.mark.parametrize(
     ("words", "answer"),
     [
-        (["run"], "Missing option '--model'; see "),
         (["list", "colours"], "'colours' is not one of 'backends'"),
         (["run", "--model", "box", "--tets", "lots"], "100k"),
         (["run", "--modle", "box"], "Did you mean '--model'?"),

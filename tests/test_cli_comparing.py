@@ -125,19 +125,15 @@ def test_gate_exits_as_it_found(gated, gate, words, code):
     assert (asked[0]["base"], asked[0]["head"], asked[0]["limits"].cpu) == ("main", None, 1.1)
 
 
-def test_gate_takes_a_small_model_unless_told_otherwise(gated, monkeypatch):
+def test_gate_plans_what_it_is_told(gated, monkeypatch):
     plans = []
-    monkeypatch.setattr("tetrabench.bench.make_plan", lambda model, **choices: plans.append((model, choices)))
+    monkeypatch.setattr("tetrabench.bench.make_plan", lambda **choices: plans.append(choices))
     for words in ([], ["--tets", "5k"], ["--model", "some.nas"]):
         asked = gated(found(1.0))
         say("gate", "--base", "main", *words)
         asked[-1]["make"](None)
-    assert [(model, choices["tets"]) for model, choices in plans] == [
-        ("nozzle", [30_000]),
-        ("nozzle", [5_000]),
-        ("some.nas", None),
-    ]
-    assert plans[0][1]["profile"] == "rigorous"
+    assert [(plan["model"], plan["tets"]) for plan in plans] == [(None, None), (None, [5_000]), ("some.nas", None)]
+    assert plans[0]["profile"] == "rigorous"
 
 
 def test_gate_says_in_one_line_what_does_not_work(gated, tmp_path, monkeypatch):

@@ -8,7 +8,7 @@ import pytest
 
 from tests.bench.scripted import scripted_plan
 from tetrabench.bench import EFFORTS, Backend, Effort, Task, make_plan
-from tetrabench.bench.plan import control_of, model_of, parse_option, williams_row
+from tetrabench.bench.plan import DEFAULT_SIZE, control_of, model_of, parse_option, williams_row
 from tetrabench.errors import InputError
 
 
@@ -151,6 +151,12 @@ class TestMakePlan:
             "tiny-300": "model-300",
         }
         assert {name: path.name for name, path in plan_of(tets=[100]).models.items()} == {"tiny": "model-100"}
+
+    def test_without_a_model_it_is_the_familys_and_a_small_one(self):
+        plan = make_plan(family="scripted")
+        assert {name: path.name for name, path in plan.models.items()} == {"tiny": f"model-{DEFAULT_SIZE}"}
+        assert plan.command == f"tetrabench run --model tiny --family scripted --tets {DEFAULT_SIZE}"
+        assert [path.name for path in make_plan(family="scripted", tets=[7]).models.values()] == ["model-7"]
 
     def test_sweeps_over_numberings(self):
         plan = plan_of(numberings=["natural", "shuffled", "natural"])

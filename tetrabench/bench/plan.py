@@ -28,6 +28,8 @@ EFFORTS = {
 }
 """By profile. Many launches of few rounds rather than the reverse: see `statistics`."""
 
+DEFAULT_SIZE = 30_000
+"""Elements of the model where none is named: all contestants and scenarios end in minutes."""
 TIMEOUT_S = 3600.0
 """Longest wait for a worker unless another is asked for: a sweep of the source's slowest takes minutes."""
 
@@ -117,7 +119,7 @@ def make_plan(
     """Look up what is asked for by name; find the model, or have it generated.
 
     Args:
-        model: a file, or the name of a model that the family can generate; the family's default if None.
+        model: a file, or the name of a model that the family can generate; None: the family's default, and a small one.
         backends: all if None; the first one is the reference where the family's is not among them.
         scenarios: all if None, or with the thesis profile those of the source, in its order.
         reference: the backend that ratios refer to.
@@ -141,7 +143,8 @@ def make_plan(
         raise InputError("several numberings are compared with the natural one: add it, --numbering natural,...")
     guide = guide or Registry()
     kind = guide.describe(family)
-    model = kind.default_model if model is None else model
+    if model is None:
+        model, tets = kind.default_model, tets or [DEFAULT_SIZE]
     chosen = _choose("backend", kind.contestants, backends)
     names = [contestant.name for contestant in chosen]
     if reference is None:

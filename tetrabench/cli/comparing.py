@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     from tetrabench.bench.catalogue import Guide
 
 HISTORY = "history.jsonl"
-SIZE = 30_000
-"""Of the model that a gate runs on unless told otherwise: it ends in minutes."""
 
 
 @click.command()
@@ -67,9 +65,6 @@ def gate(
     from tetrabench.bench.gate import run_gate
     from tetrabench.bench.limits import limits_of
     from tetrabench.report.verdicts import gate_as
-
-    if choices["model"] is None:
-        choices["tets"] = choices["tets"] or [SIZE]
 
     def make(guide: Guide) -> Plan:
         return make_plan(profile="rigorous", guide=guide, **choices)

@@ -152,24 +152,22 @@ timeout_option = click.option(
 
 def what_options(verb: Callable[..., Any]) -> Callable[..., Any]:
     """What `run` and `check` take: models, backends, scenarios."""
-    help_text = "A mesh file, or a model to generate.  [default: the family's]"
-    model = click.option("--model", metavar="FILE|NAME", help=help_text)
     reference = click.option("--reference", metavar="A", help="The backend that ratios refer to.")
-    return _take(verb, [model, *_subject_options(), reference, seed_option])
+    return _take(verb, [*_subject_options(), reference, seed_option])
 
 
 def gate_options(verb: Callable[..., Any]) -> Callable[..., Any]:
     """What `gate` takes of it: each backend is its own reference."""
-    help_text = "A mesh file, or a model to generate.  [default: the family's, with 30k elements]"
-    model = click.option("--model", metavar="FILE|NAME", help=help_text)
-    return _take(verb, [model, *_subject_options(), seed_option])
+    return _take(verb, [*_subject_options(), seed_option])
 
 
 def _subject_options() -> list[Callable[..., Any]]:
     names: dict[str, Any] = {"multiple": True, "callback": split_names, "metavar": "A,B", "help": "All unless given."}
     size_help = "Size of a generated model, such as 100k; several make a sweep."
     option_help = "A count of a scenario, such as alfa.sweeps=10; several make a sweep."
+    model_help = "A mesh file, or a model to generate.  [default: the family's, of 30k elements]"
     return [
+        click.option("--model", metavar="FILE|NAME", help=model_help),
         family_option,
         click.option("--backend", "backends", **names),
         click.option("--scenario", "scenarios", **names),
