@@ -6,7 +6,7 @@ pseudoperipheral node finder, 1979). scipy's begins at a point of least degree, 
 processor, for numpy's sort does.
 """
 
-from itertools import permutations
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,12 +26,19 @@ def rcm_order(tets: NDArray[np.int32], points: int) -> NDArray[np.int64]:
     Returns:
         (points,) int64, the rows of the points in their new order; those that no tetra uses come last, in their order.
     """
+    starts, ends = np.concatenate([tets[:, pair] for pair in combinations(range(4), 2)]).T
+    return rcm_order_of_edges(starts, ends, points)
+
+
+def rcm_order_of_edges(starts: NDArray[np.int32], ends: NDArray[np.int32], points: int) -> NDArray[np.int64]:
+    """As `rcm_order`, on the edges from `starts` to `ends`, (k,) int32 each, in either direction and as often as they
+    come."""
     from scipy.sparse import coo_array
 
     if not points:  # scipy takes no empty graph
         return np.arange(0)
-    starts, ends = np.concatenate([tets[:, pair] for pair in permutations(range(4), 2)]).T
-    edges = coo_array((np.ones(len(starts), bool), (starts, ends)), shape=(points, points)).tocsr()
+    both = np.concatenate([starts, ends]), np.concatenate([ends, starts])
+    edges = coo_array((np.ones(len(both[0]), bool), both), shape=(points, points)).tocsr()
     degrees = np.diff(edges.indptr).astype(np.int64)
     # The points next to each one in order of their degrees, equal ones in their own order.
     keys = np.repeat(np.arange(points), degrees) << 32 | degrees[edges.indices]
