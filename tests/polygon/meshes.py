@@ -1,7 +1,8 @@
-"""Small meshes of polygons, by what is odd about them; the models, small; and random ones, made by merging and dropping cells."""
+"""Small meshes of polygons: odd ones, by what is odd about them; the models; random ones, by merging and dropping cells."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
+from itertools import pairwise
 from random import Random
 from typing import Any
 
@@ -64,7 +65,7 @@ def ring(count: int) -> list[list[int]]:
 def fan(count: int, closed: bool) -> list[list[int]]:
     """Triangles around node 0, all the way or half of it."""
     rim = [*range(1, count + 1), 1] if closed else range(1, count + 2)
-    return [[0, a, b] for a, b in zip(rim, rim[1:], strict=False)]
+    return [[0, a, b] for a, b in pairwise(rim)]
 
 
 def torus(columns: int, rows: int) -> list[list[int]]:

@@ -1,4 +1,6 @@
-"""The rules that each format's arrays follow, one by one, against the mesh: not through the queries, nor what made the arrays."""
+"""The rules of each format's arrays, one by one, against the mesh: neither through the queries nor what made the arrays."""
+
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -213,6 +215,6 @@ def test_tables(mesh):
         (storage.cell_starts, (storage.cell_nodes, storage.cell_neighbours), ("cell-nodes", "cell-neighbours")),
         (storage.node_starts, (storage.node_neighbours, storage.node_cells), ("node-neighbours", "node-cells")),
     ):
-        lists = [(begin, end - begin) for begin, end in zip(starts, starts[1:], strict=False)]
+        lists = [(begin, end - begin) for begin, end in pairwise(starts)]
         assert all(length >= 2 for _, length in lists)
         assert take_lists(lists, *rows) == [twin.lists(query) for query in queries]

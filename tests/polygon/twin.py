@@ -1,7 +1,6 @@
 """A mesh of polygons as dictionaries, made by looking everywhere: what every format must answer."""
 
 from collections.abc import Iterable
-
 from itertools import pairwise
 
 from tetrabench.mesh.polygon import PolygonMesh
@@ -98,7 +97,7 @@ def as_lists(starts: Iterable[int], items: Iterable[int]) -> list[list[int]]:
     starts, items = list(map(int, starts)), list(map(int, items))
     assert starts[0] == 0
     assert starts[-1] == len(items)
-    return [items[begin:end] for begin, end in zip(starts, starts[1:], strict=False)]
+    return [items[begin:end] for begin, end in pairwise(starts)]
 
 
 def circle(items: Iterable[int]) -> tuple[int, ...]:
