@@ -8,7 +8,7 @@
 | side of an edge   | half-edge*               |                          |                     |                      |
 | none              |                          |                          |                     | tables*              |
 
-* ours, beyond the source.
+* ours, beyond the source. So is `faces`: edge-cell in space, for polyhedra, which takes no part.
 
 N cells, K edges, L nodes; i nodes a cell, k edges a node.
 """
