@@ -42,13 +42,12 @@ def connect(mesh: PolygonMesh) -> Connections:
     Raises:
         InputError: a mesh that no format can hold: `settle` (mesh.polygon.check) says what is wrong, and can mend it.
     """
+    if not belong_together(mesh):
+        raise InputError("the starts and nodes of the cells do not belong together: see PolygonMesh")
     starts, nodes, conditions = (
         np.require(array, np.int32, ["C", "W"]) for array in (mesh.starts, mesh.nodes, mesh.conditions)
     )
     corners, points = len(nodes), len(mesh.points)
-    fits = len(starts) > 1 and starts[0] == 0 and starts[-1] == corners == len(conditions)
-    if not fits or not corners or np.diff(starts).min() < 3 or nodes.min() < 0 or nodes.max() >= points:
-        raise InputError("the starts and nodes of the cells do not belong together: see PolygonMesh")
     found = Connections(
         starts,
         nodes,
@@ -65,6 +64,15 @@ def connect(mesh: PolygonMesh) -> Connections:
             "tetrabench.mesh.polygon.check.settle says where, and can mend it"
         )
     return found
+
+
+def belong_together(mesh: PolygonMesh) -> bool:
+    """Whether there are cells of three nodes or more, and the arrays are as long, and the nodes as low, as they must be."""
+    starts, nodes = mesh.starts, mesh.nodes
+    if len(starts) < 2 or starts[0] != 0 or not starts[-1] == len(nodes) == len(mesh.conditions):
+        return False
+    fewest = np.diff(starts.astype(np.int64)).min()  # a difference may have no room in 32 bits
+    return bool(fewest >= 3 and nodes.min() >= 0 and nodes.max() < len(mesh.points))
 
 
 @kernel(allocates=False, inline=True)
@@ -126,7 +134,8 @@ def pair_sides(links: Connections, begins: Rows, around: Rows) -> bool:
             if links.nodes[np.uint64(after(links, y))] == a:
                 fine = fine and links.twin[np.uint64(x)] == NOBODY
                 links.twin[np.uint64(x)] = y
-        fine = fine and (links.conditions[np.uint64(x)] < 0) == (links.twin[np.uint64(x)] == NOBODY)
+        condition = links.conditions[np.uint64(x)]
+        fine = fine and condition <= 0 and (condition < 0) == (links.twin[np.uint64(x)] == NOBODY)
     return fine
 
 

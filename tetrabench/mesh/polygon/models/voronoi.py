@@ -42,7 +42,7 @@ def cut_diagram(centres: Points, reach: float, tolerance: float) -> Division | N
     triangles, opposite = triangulate(sites)
     places = circumcentres(sites, triangles)
     held = triangles < count
-    outside: NDArray[np.bool_] = ((places < -tolerance) | (places > 1 + tolerance)).any(axis=1)
+    outside = abs(places - 0.5).max(axis=1) > 0.5 + tolerance
     # The cell of a centre on the hull has no end.
     if (outside[:, None] & held).any() or (held & (opposite[:, [1, 2, 0]] < 0)).any():
         return None

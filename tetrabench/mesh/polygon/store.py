@@ -1,0 +1,80 @@
+"""The file of a polygon mesh to the bit, numpy's .npz: its four arrays, and its report as JSON."""
+
+import contextlib
+import os
+import warnings
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from tetrabench.errors import InputError
+from tetrabench.memory import held_to_available, refuse_if_too_large
+from tetrabench.mesh.polygon.connect import belong_together
+from tetrabench.mesh.polygon.polygon_mesh import PolygonMesh, PolygonReport
+
+ARRAYS = {"points": np.float64, "starts": np.int32, "nodes": np.int32, "conditions": np.int32}
+REPORT = "report"
+
+
+def save_polygons(mesh: PolygonMesh, path: str | os.PathLike[str]) -> None:
+    """Write a mesh to a file that `load_polygons` reads: the whole of it, or none.
+
+    The same mesh gives the same file, byte for byte.
+
+    Args:
+        mesh: what to write.
+        path: the file, whatever its suffix.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    arrays: dict[str, Any] = {name: np.ascontiguousarray(getattr(mesh, name), dtype) for name, dtype in ARRAYS.items()}
+    arrays[REPORT] = np.frombuffer(msgspec.json.encode(mesh.report), np.uint8)
+    draft = Path(f"{os.fspath(path)}.{os.getpid()}.part")
+    try:
+        with draft.open("wb") as file:
+            np.savez(file, **arrays)
+        draft.replace(path)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror or error}") from error
+    finally:
+        with contextlib.suppress(OSError):  # it has its name, or there never was one
+            draft.unlink()
+
+
+def load_polygons(path: str | os.PathLike[str]) -> PolygonMesh:
+    """Read what `save_polygons` wrote.
+
+    Sums in the file tell damage; whether its cells hang together is for `connect` to say.
+
+    Raises:
+        InputError: no such file, one of something else, or a damaged one; `MemoryRefusedError` where there is not enough
+            memory to read it.
+    """
+    broken = InputError(f"{path}: not a polygon mesh as tetrabench writes it, or damaged; make it again")
+    try:
+        refuse_if_too_large(f"{path}", os.stat(path).st_size)
+        # A damaged file tells numpy to take any amount of memory, or only to warn.
+        with held_to_available(), warnings.catch_warnings(action="error"), np.load(path) as file:
+            arrays = {name: file[name] for name in ARRAYS}
+            report = msgspec.json.decode(file[REPORT].tobytes(), type=PolygonReport)
+    except InputError:
+        raise
+    except OSError as error:
+        raise (InputError(f"{path}: cannot be read: {error.strerror}") if error.strerror else broken) from error
+    except Exception as error:  # numpy and zipfile raise anything
+        raise broken from error
+    mesh = PolygonMesh(**arrays, report=report)
+    if not has_shape(mesh):
+        raise broken
+    return mesh
+
+
+def has_shape(mesh: PolygonMesh) -> bool:
+    """Whether the arrays have the types and shapes that PolygonMesh says."""
+    if any(getattr(mesh, name).dtype != dtype for name, dtype in ARRAYS.items()):
+        return False
+    flat = mesh.starts.ndim == mesh.nodes.ndim == mesh.conditions.ndim == 1
+    return flat and mesh.points.ndim == 2 and mesh.points.shape[1] in (2, 3) and belong_together(mesh)
