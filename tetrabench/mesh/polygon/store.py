@@ -1,8 +1,10 @@
 """The file of a polygon mesh to the bit, numpy's .npz: its four arrays, and its report as JSON."""
 
 import contextlib
+import json
 import os
 import warnings
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -31,7 +33,8 @@ def save_polygons(mesh: PolygonMesh, path: str | os.PathLike[str]) -> None:
         InputError: the file cannot be written.
     """
     arrays: dict[str, Any] = {name: np.ascontiguousarray(getattr(mesh, name), dtype) for name, dtype in ARRAYS.items()}
-    arrays[REPORT] = np.frombuffer(msgspec.json.encode(mesh.report), np.uint8)
+    # Python's JSON has room for a source whose name is no text, too.
+    arrays[REPORT] = np.frombuffer(json.dumps(asdict(mesh.report)).encode(), np.uint8)
     draft = Path(f"{os.fspath(path)}.{os.getpid()}.part")
     try:
         with draft.open("wb") as file:
@@ -54,18 +57,19 @@ def load_polygons(path: str | os.PathLike[str]) -> PolygonMesh:
             memory to read it.
     """
     broken = InputError(f"{path}: not a polygon mesh as tetrabench writes it, or damaged; make it again")
-    try:
-        refuse_if_too_large(f"{path}", os.stat(path).st_size)
-        # A damaged file tells numpy to take any amount of memory, or only to warn.
-        with held_to_available(), warnings.catch_warnings(action="error"), np.load(path) as file:
-            arrays = {name: file[name] for name in ARRAYS}
-            report = msgspec.json.decode(file[REPORT].tobytes(), type=PolygonReport)
-    except InputError:
-        raise
-    except OSError as error:
-        raise (InputError(f"{path}: cannot be read: {error.strerror}") if error.strerror else broken) from error
-    except Exception as error:  # numpy and zipfile raise anything
-        raise broken from error
+    with contextlib.ExitStack() as stack:
+        try:
+            file = stack.enter_context(open(path, "rb"))
+        except OSError as error:
+            raise InputError(f"{path}: cannot be read: {error.strerror or error}") from error
+        refuse_if_too_large(f"{path}", os.fstat(file.fileno()).st_size)
+        try:
+            # A damaged file tells numpy to take any amount of memory, or only to warn.
+            with held_to_available(), warnings.catch_warnings(action="error"), np.load(file) as archive:
+                arrays = {name: archive[name] for name in ARRAYS}
+                report = msgspec.convert(json.loads(archive[REPORT].tobytes()), PolygonReport)
+        except Exception as error:  # numpy and zipfile raise anything
+            raise broken from error
     mesh = PolygonMesh(**arrays, report=report)
     if not has_shape(mesh):
         raise broken

@@ -41,7 +41,7 @@ class PolygonModel:
         title: one line.
         cells: default number of cells, the source's.
         build: (number of cells wanted, seed) -> the square in about that many.
-        bytes: memory taken at the peak for each cell, measured at the default size, rounded up.
+        bytes: memory taken at the peak for each cell, measured at the default size in all numberings, rounded up.
     """
 
     name: str

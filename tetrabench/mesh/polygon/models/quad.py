@@ -16,4 +16,4 @@ def build_quads(wanted: int, seed: int) -> Division:
     return in_table(points, table, f"{columns} x {rows} quads")
 
 
-QUAD = PolygonModel("quad", "equal rectangles in rows", 1_000_000, build_quads, 300)
+QUAD = PolygonModel("quad", "equal rectangles in rows", 1_000_000, build_quads, 350)

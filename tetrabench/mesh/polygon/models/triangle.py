@@ -30,4 +30,4 @@ def build_triangles(wanted: int, seed: int) -> Division:
     return in_table(points, table, f"{columns} x {rows} pairs")
 
 
-TRIANGLE = PolygonModel("triangle", "nearly equilateral triangles in rows", 1_005_519, build_triangles, 300)
+TRIANGLE = PolygonModel("triangle", "nearly equilateral triangles in rows", 1_005_519, build_triangles, 350)
