@@ -1,6 +1,7 @@
 """Input and output of meshes: the format follows the file's suffix."""
 
 import os
+from collections.abc import Sequence
 from difflib import get_close_matches
 from pathlib import Path
 
@@ -92,10 +93,9 @@ def check_target(path: str | os.PathLike[str], field: str | None = None, *, has_
     return suffix
 
 
-def known_suffix(path: str | os.PathLike[str]) -> str:
-    """Return the suffix of a file in small letters, if it is one of ours."""
+def known_suffix(path: str | os.PathLike[str], known: Sequence[str] = (*NASTRAN, *BY_SUFFIX)) -> str:
+    """Return the suffix of a file in small letters, if it is a known one: of ours for meshes of tetras unless given."""
     suffix = Path(path).suffix.lower()
-    known = [*NASTRAN, *BY_SUFFIX]
     if suffix not in known:
         near = get_close_matches(suffix, known, n=1)
         hint = f"did you mean {near[0]}? " if near else ""

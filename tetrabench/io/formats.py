@@ -67,6 +67,7 @@ class Format:
         doubt: says from the text of the file, and the number of cells that meshio found, why the mesh may be less than
             the file's; "" where it is not.
         last_line: what the last line of a file that is surely whole begins with; any other is worth a warning.
+        prepare: what is given to meshio instead of the file's path, where it takes files for other ones.
     """
 
     name: str
@@ -78,6 +79,61 @@ class Format:
     keeps_ids: bool = False
     doubt: Callable[[mmap.mmap, Counter[str]], str] = lambda text, cells: ""
     last_line: bytes = b""
+    prepare: Callable[[Path], Any] = lambda path: path
+
+
+class NoTetrasError(InputError):
+    """A file without a tetra; it may hold a mesh of another kind."""
+
+
+@dataclass
+class Raw:
+    """What meshio makes of a file.
+
+    Attributes:
+        form: the format.
+        mesh: a meshio.Mesh, with whatever is in it.
+        points: its points, (n, 3) float64 in any proper file.
+        cells: how many there are of each of meshio's kinds.
+        said: the warnings of meshio, once `raw_mesh` is left.
+    """
+
+    form: Format
+    mesh: Any
+    points: NDArray[np.float64]
+    cells: Counter[str]
+    said: list[str]
+
+
+@contextlib.contextmanager
+def raw_mesh(path: str | os.PathLike[str]) -> Iterator[Raw]:
+    """Let meshio read a file in one of FORMATS, chosen by its suffix, and take what is wanted of it.
+
+    TetGen's and XDMF's second file is found beside it.
+
+    Raises:
+        InputError: `path: reason` for a file that meshio cannot read, or that makes whoever takes it fail: meshio hands
+            on whatever it made of a file, mesh or not; and for a file that may be cut.
+    """
+    form = BY_SUFFIX[Path(path).suffix.lower()]
+    files = [Path(path), *(file for file in partners(Path(path)) if file.is_file())]
+    refuse_if_too_large(f"reading {path}", form.room * sum(map(size_of, files)))
+    with meshio_at_work(f"{path}: cannot be read as {form.title}") as said:
+        import meshio  # takes a while, so not before it is needed
+
+        mesh = meshio.read(form.prepare(Path(path)), file_format=form.name)
+        points = np.array(mesh.points, np.float64, order="C", ndmin=2)
+        cells: Counter[str] = Counter()
+        for block in mesh.cells:
+            cells[block.type] += len(block.data)
+        yield Raw(form, mesh, points, cells, said)
+    for file in files:
+        with mapped(file) as text:
+            reason = form.doubt(text, cells)
+        if reason:
+            raise InputError(f"{file}: {reason}")
+    if form.last_line and not last_line(Path(path)).startswith(form.last_line):
+        said.append(f"its last line belongs to the mesh; {form.title} files that are cut look the same")
 
 
 def read_foreign(path: str | os.PathLike[str], *, unused: str = "drop", repair: str = "refuse") -> TetraMesh:
@@ -87,48 +143,30 @@ def read_foreign(path: str | os.PathLike[str], *, unused: str = "drop", repair: 
     `report.skipped`.
 
     Args:
-        path: the file. TetGen's and XDMF's second file is found beside it.
+        path: the file.
         unused: see `settle`.
         repair: see `settle`.
 
     Raises:
-        InputError: `path: reason` for a file that meshio cannot read, that may be cut, or holds no tetra; and what
-            `settle` refuses.
+        NoTetrasError: it holds other cells, or none.
+        InputError: what `raw_mesh` and `settle` refuse.
     """
-    form = BY_SUFFIX[Path(path).suffix.lower()]
-    files = [Path(path), *(file for file in partners(Path(path)) if file.is_file())]
-    refuse_if_too_large(f"reading {path}", form.room * sum(map(size_of, files)))
-    with meshio_at_work(f"{path}: cannot be read as {form.title}") as said:
-        import meshio  # takes a while, so not before it is needed
-
-        # meshio hands on whatever it made of the file: what is no mesh fails here.
-        raw = meshio.read(path, file_format=form.name)
-        points = np.array(raw.points, np.float64, order="C", ndmin=2)
-        cells: Counter[str] = Counter()
-        for block in raw.cells:
-            cells[block.type] += len(block.data)
-        tetras = [number for number, block in enumerate(raw.cells) if is_tetra(block.type) and len(block.data)]
-        corners = [np.asarray(raw.cells[number].data)[:, :4].astype(np.int64) for number in tetras]
-        point_ids = ids_among(raw.point_data, POINT_ID, [slice(None)], len(points))
-        tet_ids = ids_among(raw.cell_data, TETRA_ID, tetras, sum(map(len, corners)))
-    for file in files:
-        with mapped(file) as text:
-            reason = form.doubt(text, cells)
-        if reason:
-            raise InputError(f"{file}: {reason}")
+    with raw_mesh(path) as raw:
+        points, blocks = raw.points, raw.mesh.cells
+        tetras = [number for number, block in enumerate(blocks) if is_tetra(block.type) and len(block.data)]
+        corners = [np.asarray(blocks[number].data)[:, :4].astype(np.int64) for number in tetras]
+        point_ids = ids_among(raw.mesh.point_data, POINT_ID, [slice(None)], len(points))
+        tet_ids = ids_among(raw.mesh.cell_data, TETRA_ID, tetras, sum(map(len, corners)))
     if not tetras:
-        held = ", ".join(f"{kind} {count:,}" for kind, count in cells.items() if count)
-        raise InputError(f"{path}: holds no tetras; it holds {held or 'no cells at all'}")
+        raise NoTetrasError(f"{path}: holds no tetras; it holds {list_cells(raw.cells)}")
     if points.shape[1] != 3:
         raise InputError(f"{path}: its points have {points.shape[1]} coordinates, not 3")
-    if form.last_line and not last_line(Path(path)).startswith(form.last_line):
-        said.append(f"its last line belongs to the mesh; {form.title} files that are cut look the same")
     report = MeshReport(
         source=str(path),
-        format=form.title,
-        skipped={kind: count for kind, count in cells.most_common() if count and not is_tetra(kind)},
-        quadratic=sum(count for kind, count in cells.items() if is_tetra(kind) and kind != "tetra"),
-        warnings=[f"{path}: {sentence}" for sentence in said],
+        format=raw.form.title,
+        skipped={kind: count for kind, count in raw.cells.most_common() if count and not is_tetra(kind)},
+        quadratic=sum(count for kind, count in raw.cells.items() if is_tetra(kind) and kind != "tetra"),
+        warnings=[f"{path}: {sentence}" for sentence in raw.said],
     )
 
     def where(kind: str, row: int) -> str:
@@ -250,6 +288,11 @@ def first_line(error: BaseException) -> str:
     return f"{type(error).__name__}: {text}" if text else type(error).__name__
 
 
+def list_cells(cells: Counter[str]) -> str:
+    """What cells a file holds, in words."""
+    return ", ".join(f"{kind} {count:,}" for kind, count in cells.items() if count) or "no cells at all"
+
+
 def is_tetra(kind: str) -> bool:
     """Whether cells of this kind are tetras, of any order. Their first four nodes are the corners."""
     return kind.startswith("tetra") or kind == "VTK_LAGRANGE_TETRAHEDRON"
@@ -315,6 +358,29 @@ def doubt_abaqus(text: mmap.mmap, cells: Counter[str]) -> str:
     return doubt_last_line(text)
 
 
+def doubt_ply(text: mmap.mmap, cells: Counter[str]) -> str:
+    """meshio takes what there is of a binary file that is cut, and loses its place where faces have values."""
+    header = text[: text.find(b"end_header")]
+    values = re.findall(rb"property", header[header.find(b"element face") :])
+    if b"format ascii" not in header and len(values) > 1:
+        return "has values of its faces, which meshio mistakes for nodes; write it without them, or as text"
+    return doubt_count(re.findall(rb"(?m)^element face (\d+)", header), sum(cells.values()))
+
+
+def prepare_ply(path: Path) -> io.BytesIO:
+    """Both names that the nodes of a face go by are usual, and meshio takes the cells for none under one of them."""
+    head, mark, rest = path.read_bytes().partition(b"end_header")
+    head = re.sub(rb"(?m)^(property list \w+ \w+) vertex_index\b", rb"\1 vertex_indices", head)
+    return io.BytesIO(head + mark + rest)
+
+
+def prepare_obj(path: Path) -> io.StringIO:
+    """meshio refuses normals and textures that are not as many as the points, and takes colours for coordinates."""
+    with path.open(encoding="utf-8", errors="replace") as file:
+        lines = (line.split() for line in file if line.startswith(("v ", "f ", "v\t", "f\t")))
+        return io.StringIO("".join(" ".join(words[:4] if words[0] == "v" else words) + "\n" for words in lines))
+
+
 FORMATS = (
     Format("gmsh", "Gmsh", (".msh",), room=7),
     Format("vtk", "VTK", (".vtk",), room=6, keeps_ids=True, doubt=doubt_vtk),
@@ -331,8 +397,8 @@ FORMATS = (
     Format("dolfin-xml", "DOLFIN XML", (".xml",), room=4),
     Format("netgen", "Netgen", (".vol",), room=11, doubt=doubt_end(b"endmesh")),
     Format("stl", "STL", (".stl",), room=10, writes=False),
-    Format("ply", "PLY", (".ply",), room=10, writes=False),
-    Format("obj", "OBJ", (".obj",), room=10, writes=False),
+    Format("ply", "PLY", (".ply",), room=10, writes=False, doubt=doubt_ply, prepare=prepare_ply),
+    Format("obj", "OBJ", (".obj",), room=10, writes=False, doubt=doubt_last_line, prepare=prepare_obj),
     Format("off", "OFF", (".off",), room=10, writes=False),
 )
 BY_SUFFIX = {suffix: form for form in FORMATS for suffix in form.suffixes}

@@ -73,6 +73,7 @@ class Faults:
         sentence = f"{self.name}: {first}"
         if named:
             sentence += "; likewise " + " and ".join(filter(None, [", ".join(named[:-1]), named[-1]]))
+        sentence += " (counted from 0)"
         if self.repair == "refuse":
             raise RepairableError(f"{sentence}; --repair drop {mends.format('them' if named else 'it')}")
         self.sentences.append(f"{sentence}; {mended}")
@@ -124,7 +125,7 @@ def settle(
     place, cells, report.unreferenced = leave_out_nodes(place, cells, report.unreferenced, faults)
     folded = np.flatnonzero(~(areas > 0))
     if len(folded):
-        words = f"{len(folded):,} cells have no positive area, though turned as their neighbours are"
+        words = f"{len(folded):,} cell{'s' * (len(folded) > 1)} without a positive area, though turned as the neighbours are"
         faults.sentences.append(f"{faults.name}: {words}; the first is cell {cells.numbers[folded[0]]}")
     report.warnings = [*report.warnings, *faults.sentences]
     given = np.where(cells.conditions < 0, cells.conditions, CONDITION)
