@@ -24,7 +24,7 @@ from tetrabench.polygon.contestant import PolygonContestant
 
 _SAROV = "Storage formats for unstructured meshes of polygons, Sarov, about 2008"
 
-CONTESTANTS = {
+FORMATS = {
     contestant.name: contestant
     for contestant in (
         PolygonContestant(
@@ -92,3 +92,5 @@ CONTESTANTS = {
         ),
     )
 }
+
+CONTESTANTS = list(FORMATS.values())

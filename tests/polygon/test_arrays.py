@@ -7,7 +7,7 @@ import pytest
 
 from tests.polygon.meshes import ALL
 from tests.polygon.twin import Twin, sides_of
-from tetrabench.backends.polygon import CONTESTANTS
+from tetrabench.backends.polygon import FORMATS
 from tetrabench.polygon.net import PolygonNet
 
 TARGET, NEXT, PREVIOUS, CELL = range(4)
@@ -18,7 +18,7 @@ every_mesh = pytest.mark.parametrize("mesh", ALL)
 def stored(mesh, name):
     """The twin of a mesh, and its storage with arrays as nested lists."""
     mesh = ALL[mesh]()
-    storage = PolygonNet(mesh, CONTESTANTS[name]).storage
+    storage = PolygonNet(mesh, FORMATS[name]).storage
     return Twin(mesh), type(storage)(*(array.tolist() for array in storage))
 
 
@@ -72,12 +72,12 @@ def check_cell_edges(twin, rows, cell_edges):
         assert [set(rows[e][:2]) for e in edges] == [set(side) for side in sides_of(cell)]
 
 
-@pytest.mark.parametrize("name", sorted(CONTESTANTS))
+@pytest.mark.parametrize("name", sorted(FORMATS))
 @pytest.mark.parametrize("mesh", ["three components", "one triangle", "torus"])
 def test_arrays_are_int32_and_the_format_s_own(mesh, name):
     """Nothing is shared with the mesh: whoever changes that later has not changed what is stored."""
     mesh = ALL[mesh]()
-    net = PolygonNet(mesh, CONTESTANTS[name])
+    net = PolygonNet(mesh, FORMATS[name])
     digest = net.answer().digest
     for array in net.storage:
         assert array.dtype == np.int32

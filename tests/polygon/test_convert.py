@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 
 from tests.polygon.meshes import ALL, divisions
-from tetrabench.backends.polygon import CONTESTANTS
+from tetrabench.backends.polygon import FORMATS
 from tetrabench.polygon.net import PolygonNet
 
 
@@ -24,11 +24,11 @@ def assert_the_same_storage(one, other):
 
 
 def assert_nothing_is_lost(mesh):
-    direct = {name: PolygonNet(mesh, contestant) for name, contestant in CONTESTANTS.items()}
+    direct = {name: PolygonNet(mesh, contestant) for name, contestant in FORMATS.items()}
     for net in direct.values():
         back = net.to_mesh()
         assert_the_same_mesh(back, mesh)
-        for name, contestant in CONTESTANTS.items():
+        for name, contestant in FORMATS.items():
             assert_the_same_storage(PolygonNet(back, contestant).storage, direct[name].storage)
 
 
@@ -44,5 +44,5 @@ def test_any_division(mesh):
 
 def test_the_source_is_kept():
     mesh = ALL["quad, 5 cells, natural"]()
-    for contestant in CONTESTANTS.values():
+    for contestant in FORMATS.values():
         assert PolygonNet(mesh, contestant).to_mesh().report.source == mesh.report.source != ""

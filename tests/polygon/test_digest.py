@@ -8,7 +8,7 @@ from numba import config
 
 from tests.polygon.meshes import ALL, polygons, quads
 from tests.polygon.twin import Twin, as_lists, circle
-from tetrabench.backends.polygon import CONTESTANTS
+from tetrabench.backends.polygon import FORMATS
 from tetrabench.jit.mix import SEED, mix_exactly, mixed_with
 from tetrabench.mesh.polygon.models import generate_polygons
 from tetrabench.polygon.digest import mesh_answer, query_answer, sum_of_lists
@@ -65,7 +65,7 @@ def test_answers_are_what_is_defined(mesh):
         if not asked.of_nodes:
             figures["boundary_sides"] = boundary if query == "cell-neighbours" else 0
         expected.append((mixed_with(defined_sum(kept), *figures.values()), figures))
-    for contestant in CONTESTANTS.values():
+    for contestant in FORMATS.values():
         net = PolygonNet(mesh, contestant)
         answers = [
             query_answer(asked, net.storage, asked.elements(net.storage), net.room) for asked in QUERIES.values()
@@ -176,23 +176,23 @@ def with_fault(storage, array, place, wrong):
     return storage._replace(**{array: changed})
 
 
-@pytest.mark.parametrize("name", sorted(CONTESTANTS))
+@pytest.mark.parametrize("name", sorted(FORMATS))
 def test_a_wrong_entry_of_a_format_is_found(name):
-    net = PolygonNet(generate_polygons("quad", 12, numbering="shuffled", seed=4), CONTESTANTS[name])
+    net = PolygonNet(generate_polygons("quad", 12, numbering="shuffled", seed=4), FORMATS[name])
     faulty = with_fault(net.storage, *FAULTS[name](net.storage))
     assert mesh_answer(faulty, net.room).digest != net.answer().digest
 
 
 def test_neighbours_beside_the_wrong_sides_are_found():
     """As lists, taken as circles, they are the same: but neighbour j lies beyond nodes j and j + 1."""
-    net = PolygonNet(polygons(quads(3, 3)), CONTESTANTS["by-cell"])
+    net = PolygonNet(polygons(quads(3, 3)), FORMATS["by-cell"])
     start, count = net.storage.lists[4]
     neighbours = net.storage.neighbours.copy()
     neighbours[start : start + count] = np.roll(neighbours[start : start + count], 1)
     faulty, asked = net.storage._replace(neighbours=neighbours), QUERIES["cell-neighbours"]
     digests = {query_answer(asked, s, asked.elements(s), net.room).digest for s in (faulty, net.storage)}
     assert len(digests) == 1
-    tables = PolygonNet(polygons(quads(3, 3)), CONTESTANTS["tables"])
+    tables = PolygonNet(polygons(quads(3, 3)), FORMATS["tables"])
     turned = tables.storage._replace(cell_neighbours=neighbours)  # where no walk uses them
     assert mesh_answer(turned, tables.room).digest != tables.answer().digest
 
@@ -214,10 +214,10 @@ def answered(storage, room):
 
 
 @pytest.mark.skipif(not WALKS_END, reason="walks that go astray need bounds checks, or the JIT off")
-@pytest.mark.parametrize("name", sorted(CONTESTANTS))
+@pytest.mark.parametrize("name", sorted(FORMATS))
 def test_every_wrong_entry_is_found_or_makes_no_difference(name):
     """Each entry of each array in turn: the digest is another exactly where a list is another circle."""
-    net = PolygonNet(polygons(quads(2, 2), {(0, 1): -2, (1, 2): -2}), CONTESTANTS[name])
+    net = PolygonNet(polygons(quads(2, 2), {(0, 1): -2, (1, 2): -2}), FORMATS[name])
     truth, digest = answered(net.storage, net.room)
     found = 0
     for array, values in net.storage._asdict().items():

@@ -9,7 +9,7 @@ from numba import config
 from numba.core.errors import TypingError
 
 from tests.polygon.meshes import polygons, quads
-from tetrabench.backends.polygon import CONTESTANTS
+from tetrabench.backends.polygon import FORMATS
 from tetrabench.jit import implements
 from tetrabench.jit.generic import is_implemented
 from tetrabench.mesh.polygon.connect import connect
@@ -49,20 +49,20 @@ def test_the_list_of_functions_is_complete():
     assert all(function.__doc__ for function in declared)
 
 
-@pytest.mark.parametrize("name", sorted(CONTESTANTS))
+@pytest.mark.parametrize("name", sorted(FORMATS))
 def test_every_format_implements_all_of_it(name):
-    storage = CONTESTANTS[name].build(connect(polygons(quads(2, 2))))
+    storage = FORMATS[name].build(connect(polygons(quads(2, 2))))
     assert [f.__name__ for f in FUNCTIONS if not is_implemented(f, type(storage))] == []
 
 
 def test_every_format_says_what_it_is():
-    for name, contestant in CONTESTANTS.items():
+    for name, contestant in FORMATS.items():
         assert contestant.name == name
         assert contestant.family == "polygon"
         assert all(
             (contestant.title, contestant.trade_off, contestant.values, contestant.source or contestant.extension)
         )
-    assert [name for name, contestant in CONTESTANTS.items() if contestant.extension] == ["half-edge", "tables"]
+    assert [name for name, contestant in FORMATS.items() if contestant.extension] == ["half-edge", "tables"]
 
 
 @pytest.mark.parametrize("function", FUNCTIONS[2:])

@@ -6,23 +6,23 @@ import pytest
 from tests.polygon.meshes import ALL, fan, polygons, quads
 from tests.polygon.twin import Twin, as_lists
 from tetrabench import memory
-from tetrabench.backends.polygon import CONTESTANTS
+from tetrabench.backends.polygon import FORMATS
 from tetrabench.errors import InputError, MemoryRefusedError
 from tetrabench.polygon.net import PolygonNet, list_room
 from tetrabench.polygon.queries import QUERIES
 
-FORMATS = sorted(CONTESTANTS)
+NAMES = sorted(FORMATS)
 SINGLE = {query: query.replace("-", "_") for query in QUERIES}
 
 
 def strip(name="by-edge"):
-    return PolygonNet(polygons(quads(4, 1)), CONTESTANTS[name])
+    return PolygonNet(polygons(quads(4, 1)), FORMATS[name])
 
 
-@pytest.mark.parametrize("name", FORMATS)
+@pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("mesh", ["two holes", "degree 30 at the boundary", "pillow", "voronoi, 24 cells, shuffled"])
 def test_many_at_once_are_the_single_ones(mesh, name, rng):
-    net = PolygonNet(ALL[mesh](), CONTESTANTS[name])
+    net = PolygonNet(ALL[mesh](), FORMATS[name])
     for query, single in SINGLE.items():
         count = net.number_of_nodes if QUERIES[query].of_nodes else len(net)
         alone = [getattr(net, single)(x).tolist() for x in range(count)]
@@ -74,10 +74,10 @@ HOLES_THAT_TOUCH = quads(4, 4, [5, 10])
 @pytest.mark.parametrize(
     "cells", [TOUCH_IN_A_NODE, TWICE, THREE_AT_A_SIDE, TURNED, NODE_TWICE, UNUSED_NODE, HOLES_THAT_TOUCH]
 )
-@pytest.mark.parametrize("name", FORMATS)
+@pytest.mark.parametrize("name", NAMES)
 def test_what_no_format_can_hold(name, cells):
     with pytest.raises(InputError, match=r"no format can hold this mesh.*settle"):
-        PolygonNet(polygons(cells), CONTESTANTS[name])
+        PolygonNet(polygons(cells), FORMATS[name])
 
 
 @pytest.mark.parametrize(
@@ -96,7 +96,7 @@ def test_arrays_that_do_not_belong_together(array, place, value):
     mesh = polygons(quads(3, 1))
     getattr(mesh, array)[place] = value
     with pytest.raises(InputError, match="do not belong together"):
-        PolygonNet(mesh, CONTESTANTS["by-edge"])
+        PolygonNet(mesh, FORMATS["by-edge"])
 
 
 @pytest.mark.parametrize(("place", "value"), [("within", -1), ("boundary", 0), ("boundary", 1)])
@@ -105,23 +105,23 @@ def test_conditions_that_are_not_where_the_boundary_is(place, value):
     sides = np.flatnonzero(mesh.conditions == 0 if place == "within" else mesh.conditions < 0)
     mesh.conditions[sides[0]] = value
     with pytest.raises(InputError, match="no format can hold"):
-        PolygonNet(mesh, CONTESTANTS["by-edge"])
+        PolygonNet(mesh, FORMATS["by-edge"])
 
 
 def test_no_cells_at_all():
     mesh = polygons([[0, 1, 2]])
     mesh.starts, mesh.nodes, mesh.conditions = mesh.starts[:1], mesh.nodes[:0], mesh.conditions[:0]
     with pytest.raises(InputError, match="do not belong together"):
-        PolygonNet(mesh, CONTESTANTS["by-edge"])
+        PolygonNet(mesh, FORMATS["by-edge"])
 
 
 def test_arrays_of_other_kinds_are_taken():
     """Read-only, of 64 bits, not contiguous: as files and slices have them."""
     mesh = polygons(quads(3, 2))
-    digest = PolygonNet(mesh, CONTESTANTS["tables"]).answer().digest
+    digest = PolygonNet(mesh, FORMATS["tables"]).answer().digest
     mesh.nodes = np.repeat(mesh.nodes.astype(np.int64), 2)[::2]
     mesh.starts.flags.writeable = False
-    for contestant in CONTESTANTS.values():
+    for contestant in FORMATS.values():
         assert PolygonNet(mesh, contestant).answer().digest == digest
 
 
@@ -137,15 +137,15 @@ def test_room_is_for_the_longest_list_and_two_conditions(mesh):
     twin = Twin(mesh)
     longest = max(max(map(len, twin.cells)), *(len(twin.star(v)[0]) for v in range(twin.number_of_nodes)))
     assert longest <= list_room(mesh) <= longest + 2
-    for contestant in CONTESTANTS.values():
+    for contestant in FORMATS.values():
         net = PolygonNet(mesh, contestant)
         assert max(np.diff(net.lists(query)[0]).max() for query in QUERIES) <= net.room
 
 
 def test_what_a_full_fan_looks_like():
     """By hand: node 0 has 5 triangles around it, each node of the rim two."""
-    for name in FORMATS:
-        net = PolygonNet(polygons(fan(5, closed=True)), CONTESTANTS[name])
+    for name in NAMES:
+        net = PolygonNet(polygons(fan(5, closed=True)), FORMATS[name])
         assert net.node_neighbours(0).tolist() == [1, 2, 3, 4, 5]
         assert net.node_cells(0).tolist() == [0, 1, 2, 3, 4]
         assert net.node_neighbours(3).tolist() == [4, 0, 2]

@@ -7,7 +7,7 @@ import pytest
 
 from tests.polygon.meshes import ALL
 from tests.polygon.twin import Twin
-from tetrabench.backends.polygon import CONTESTANTS
+from tetrabench.backends.polygon import FORMATS
 from tetrabench.mesh.polygon.models import generate_polygons
 from tetrabench.polygon.net import PolygonNet
 
@@ -69,7 +69,7 @@ def test_the_formulas_with_exact_counts(mesh):
     mesh = ALL[mesh]()
     twin = Twin(mesh)
     counts = Counts(len(twin.cells), len(twin.edges), twin.number_of_nodes, len(twin.owner), len(twin.corners))
-    for name, contestant in CONTESTANTS.items():
+    for name, contestant in FORMATS.items():
         net = PolygonNet(mesh, contestant)
         assert net.values() == EXACT[name](counts), name
         bytes_ = net.structure_bytes()
@@ -85,7 +85,7 @@ def test_values_of_a_cell_on_regular_meshes(model):
     boundary, lacking = int((mesh.conditions < 0).sum()), REGULAR[model] * cells - len(mesh.nodes)
     assert 0 <= lacking <= boundary <= 8 * math.sqrt(cells)  # so the boundary's terms are of the order of 1 / sqrt(N)
     assert not lacking or model == "hexagon"
-    for name, contestant in CONTESTANTS.items():
+    for name, contestant in FORMATS.items():
         beyond = AT_THE_BOUNDARY[name](boundary - lacking, lacking)
         assert PolygonNet(mesh, contestant).values() == PER_CELL[name][model] * cells + beyond, name
         assert abs(beyond) <= 40 * math.sqrt(cells), name
@@ -104,13 +104,13 @@ def test_quads_in_a_square():
         "half-edge": 18 * n**2 + 18 * n + 1,
         "tables": 18 * n**2 + 10 * n + 3,
     }
-    assert {name: PolygonNet(mesh, contestant).values() for name, contestant in CONTESTANTS.items()} == expected
+    assert {name: PolygonNet(mesh, contestant).values() for name, contestant in FORMATS.items()} == expected
 
 
 def test_one_cell_by_hand():
     """A square: every corner of it is one of the domain, too."""
     mesh = ALL["quad, 1 cells, natural"]()
-    values = {name: PolygonNet(mesh, contestant).values() for name, contestant in CONTESTANTS.items()}
+    values = {name: PolygonNet(mesh, contestant).values() for name, contestant in FORMATS.items()}
     assert values == {
         "by-node": 4 * 2 + 2 * 4 * 3 + 1,  # three places for each node: both neighbours and itself; both conditions
         "by-edge": 4 * 6 + 1 + 4,

@@ -9,14 +9,14 @@ import pytest
 from tests.polygon.meshes import SMALL_MODELS, polygons, quads
 from tests.polygon.twin import Twin
 from tetrabench import registry
-from tetrabench.backends.polygon import CONTESTANTS
+from tetrabench.backends.polygon import FORMATS
 from tetrabench.mesh.polygon.models import generate_polygons
 from tetrabench.polygon.net import PolygonNet
 from tetrabench.polygon.queries import QUERIES
 from tetrabench.scenarios.polygon.build import Build
 from tetrabench.scenarios.polygon.queries import QUERY_SCENARIOS, SEED
 
-FORMATS = sorted(CONTESTANTS)
+NAMES = sorted(FORMATS)
 SCENARIOS = {scenario.name: scenario for scenario in [Build(), *QUERY_SCENARIOS]}
 
 
@@ -24,7 +24,7 @@ class Stage:
     """One contestant with a mesh that is in memory already."""
 
     def __init__(self, mesh, name, spoil=lambda storage: storage):
-        contestant = CONTESTANTS[name]
+        contestant = FORMATS[name]
         self.mesh = mesh
         self.contestant = replace(contestant, build=lambda links: spoil(contestant.build(links)))
         self.adopted = None
@@ -57,7 +57,7 @@ def test_the_names_of_the_scenarios():
         assert registry.scenario("polygon", name).name == name
         assert scenario.family == "polygon"
         assert scenario.options.keys() == scenario.thesis.keys()
-        assert scenario.skip(CONTESTANTS["by-edge"]) is None
+        assert scenario.skip(FORMATS["by-edge"]) is None
 
 
 @pytest.mark.parametrize("name", SCENARIOS)
@@ -65,16 +65,16 @@ def test_the_names_of_the_scenarios():
 def test_all_formats_give_one_answer(mesh, name):
     mesh = SMALL_MODELS[mesh]()
     outcomes = [
-        sample(name, Stage(mesh, contestant), **({"queries": 7} if "random" in name else {})) for contestant in FORMATS
+        sample(name, Stage(mesh, contestant), **({"queries": 7} if "random" in name else {})) for contestant in NAMES
     ]
     answers, works = zip(*outcomes, strict=True)
-    assert [(a.digest, a.figures) for a in answers] == [(answers[0].digest, answers[0].figures)] * len(FORMATS)
-    assert list(works) == [works[0]] * len(FORMATS)
+    assert [(a.digest, a.figures) for a in answers] == [(answers[0].digest, answers[0].figures)] * len(NAMES)
+    assert list(works) == [works[0]] * len(NAMES)
     assert works[0].items > 0
 
 
 @pytest.mark.parametrize("query", QUERIES)
-@pytest.mark.parametrize("contestant", FORMATS)
+@pytest.mark.parametrize("contestant", NAMES)
 def test_in_order(contestant, query):
     """The sum is that of the twin's lists, conditions left out, once for each sweep; the items take 4 bytes each."""
     mesh = polygons(quads(4, 3, [5]), {(0, 1): -5})
@@ -91,7 +91,7 @@ def test_in_order(contestant, query):
 
 
 @pytest.mark.parametrize("query", QUERIES)
-@pytest.mark.parametrize("contestant", FORMATS)
+@pytest.mark.parametrize("contestant", NAMES)
 def test_at_random(contestant, query):
     """The same elements for all, so many, each as often as it is drawn; never more than there are."""
     mesh = generate_polygons("quad", 30, numbering="shuffled", seed=2)
@@ -118,7 +118,7 @@ def test_the_sum_that_was_timed_is_part_of_the_answer(name):
     assert scenario.run(asked) == total  # and nothing is changed by asking
 
 
-@pytest.mark.parametrize("contestant", FORMATS)
+@pytest.mark.parametrize("contestant", NAMES)
 def test_build_hands_its_net_on(contestant):
     stage = Stage(polygons(quads(3, 3)), contestant)
     answer, work = sample("build", stage)
