@@ -84,9 +84,13 @@ def test_same_mesh_same_file_under_any_suffix_and_in_any_layout(tmp_path: Path) 
 
 def test_a_file_is_replaced_whole_or_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "a.npz"
-    save_polygons(generate_polygons("quad", 4), path)
+    quads = generate_polygons("quad", 4)
+    save_polygons(quads, path)
+    os.link(path, tmp_path / "another name of it")
     save_polygons(surface(), path)
     assert not refused(path)
+    assert bits(load_polygons(tmp_path / "another name of it")) == bits(quads)  # nothing is written into a file there
+    (tmp_path / "another name of it").unlink()
 
     def fails(file: Any, **arrays: np.ndarray) -> None:
         file.write(b"half")

@@ -125,14 +125,16 @@ def sort_corners(links: Connections, begins: Rows, around: Rows) -> None:
 
 @kernel(allocates=False)
 def pair_sides(links: Connections, begins: Rows, around: Rows) -> bool:
-    """Find the twin of each corner; False where a side has no single one, or a condition is not where the boundary is."""
+    """Find the twin of each corner; False where a condition is not where the boundary is.
+
+    Of several twins it is the last one: around a node of such a side the corners are no fan then.
+    """
     fine = True
     for x in range(len(links.nodes)):
         a, b = links.nodes[np.uint64(x)], links.nodes[np.uint64(after(links, x))]
         for place in range(begins[np.uint64(b)], begins[np.uint64(b + 1)]):
             y = np.int64(around[np.uint64(place)])
             if links.nodes[np.uint64(after(links, y))] == a:
-                fine = fine and links.twin[np.uint64(x)] == NOBODY
                 links.twin[np.uint64(x)] = y
         condition = links.conditions[np.uint64(x)]
         fine = fine and condition <= 0 and (condition < 0) == (links.twin[np.uint64(x)] == NOBODY)
