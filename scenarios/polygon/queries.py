@@ -3,7 +3,9 @@
 Each fills a list and adds up what it holds, so that no part of the work can be left out.
 """
 
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,13 +23,23 @@ ITEM_BYTES = 4
 """Least traffic for an item of a list: to read it. (The list that is filled stays in the cache.)"""
 
 
-class Asked(NamedTuple):
-    """What a sample works on: the net, the elements to ask in this order, how often to ask them all, and room for a list."""
+@dataclass
+class Asked:
+    """What a sample works on: the query, the net, the elements to ask in this order, how often to ask them all, and room for
+    a list."""
 
+    query: Query
     net: PolygonNet
     elements: NDArray[np.int32]
     sweeps: int
-    out: NDArray[np.int32]
+
+    def __post_init__(self) -> None:
+        self.out = np.zeros(self.net.room, np.int32)
+
+    @cached_property
+    def lists(self) -> Answer:
+        """The lists themselves: to make them takes longer than the workload."""
+        return query_answer(self.query, self.net.storage, self.elements, self.net.room)
 
 
 class InOrder(PolygonScenario):
@@ -44,7 +56,7 @@ class InOrder(PolygonScenario):
     def prepare(self, stage: Any, options: Options) -> Asked:
         """The net, and all of its cells or nodes."""
         net = stage.net()
-        return Asked(net, self.query.elements(net.storage), options["sweeps"], np.zeros(net.room, np.int32))
+        return Asked(self.query, net, self.query.elements(net.storage), options["sweeps"])
 
     def run(self, asked: Asked) -> int:
         """Ask; the sum of what the lists hold."""
@@ -55,14 +67,12 @@ class InOrder(PolygonScenario):
 
     def answer(self, asked: Asked, total: int) -> Answer:
         """The lists themselves, and the sum that the timed loop has found."""
-        lists = query_answer(self.query, asked.net.storage, asked.elements, asked.net.room)
-        return Answer(mixed_with(int(lists.digest, 16), total), {**lists.figures, "sum": int(total)})
+        return Answer(mixed_with(int(asked.lists.digest, 16), total), {**asked.lists.figures, "sum": int(total)})
 
     def work(self, asked: Asked, total: int) -> Work:
         """Lists, and the items that had to be read for them; conditions left out, for formats keep one or two of them."""
-        _, found = self.query.lists(asked.net.storage, asked.elements, asked.net.room)
-        lists, items = len(asked.elements) * asked.sweeps, int(np.count_nonzero(found >= 0)) * asked.sweeps
-        return Work(lists, "lists", items * ITEM_BYTES)
+        items = int(asked.lists.figures["items"])
+        return Work(len(asked.elements) * asked.sweeps, "lists", items * asked.sweeps * ITEM_BYTES)
 
 
 class AtRandom(InOrder):
@@ -81,7 +91,7 @@ class AtRandom(InOrder):
         net = stage.net()
         elements = self.query.elements(net.storage)
         drawn = np.random.default_rng(SEED).choice(elements, min(options["queries"], len(elements)))
-        return Asked(net, drawn, 1, np.zeros(net.room, np.int32))
+        return Asked(self.query, net, drawn, 1)
 
     def run(self, asked: Asked) -> int:
         """Ask; the sum of what the lists hold."""
