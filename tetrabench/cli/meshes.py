@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from tetrabench.cli.options import FILE, check_folder, numbering_option, read_count, repair_option, seed_option
 from tetrabench.cli.speech import patience, say
-from tetrabench.errors import InputError, RepairableError
+from tetrabench.errors import InputError, RepairableError, find_named
 
 if TYPE_CHECKING:
+    from tetrabench.mesh import TetraMesh
     from tetrabench.mesh.inspection import Inspection
+    from tetrabench.mesh.polygon import PolygonMesh
+    from tetrabench.mesh.polygon.inspection import PolygonInspection
 
 
 field_option = click.option(
@@ -31,22 +34,22 @@ def info(file: Path, repair: str, form: str) -> None:
 
     A file that is refused only for tetras that --repair drop leaves out is described without them, and the exit code is
     0: "refusal" in the JSON, or the last line of the table, says that other verbs refuse it. What cannot be described
-    at all is refused with exit code 2.
+    at all is refused with exit code 2. A file without tetras is described by its polygons.
     """
     from dataclasses import replace
 
-    from tetrabench.io import read_mesh
-    from tetrabench.mesh.inspection import inspect_mesh
+    from tetrabench.io.kinds import read_any
+    from tetrabench.mesh import TetraMesh
 
     refusal = ""
     with patience(f"reading {file}"):
         try:
-            mesh = read_mesh(file, unused="keep", repair=repair)
+            mesh = read_any(file, unused="keep", repair=repair)
         except RepairableError as error:
             refusal = str(error)
-            mesh = read_mesh(file, unused="keep", repair="drop")
-    with patience(f"inspecting {len(mesh.tets):,} tetras"):
-        inspection = replace(inspect_mesh(mesh), refusal=refusal)
+            mesh = read_any(file, unused="keep", repair="drop")
+    with patience(f"inspecting {count(mesh)}"):
+        inspection: Any = replace(inspect(mesh), refusal=refusal)
     if form == "json":
         import msgspec
 
@@ -57,7 +60,8 @@ def info(file: Path, repair: str, form: str) -> None:
         for sentence in inspection.warnings:
             click.echo(f"- {sentence}")
         if refusal:
-            click.echo("- the file is refused, unless --repair drop leaves these tetras out")
+            mends = "leaves these tetras out" if isinstance(mesh, TetraMesh) else "mends it"
+            click.echo(f"- the file is refused, unless --repair drop {mends}")
 
 
 @click.command()
@@ -75,58 +79,123 @@ def info(file: Path, repair: str, form: str) -> None:
 )
 @field_option
 def convert(source: Path, target: Path, numbering: str, seed: int, repair: str, unused: str, field: str | None) -> None:
-    """Write a mesh in another format, or in another order. OUT may not be IN."""
-    from tetrabench.io import check_target, is_file, read_mesh, write_mesh
-    from tetrabench.io.formats import partners
-    from tetrabench.mesh.numbering import renumber
+    """Write a mesh in another format, or in another order. OUT may not be IN.
 
-    check_target(target, field)
+    Of a file with tetras these are taken, else its polygons: in .npz with their boundary conditions.
+    """
+    from tetrabench.io import is_file
+    from tetrabench.io.formats import partners
+    from tetrabench.io.kinds import check_any_target, read_any, write_any
+
+    check_any_target(source, target, field)
     if is_file(target) and any(is_file(file) and file.samefile(target) for file in (source, *partners(source))):
         raise InputError(f"{target}: is what is read, and would be lost; write to another file")
     with patience(f"reading {source}"):
-        mesh = read_mesh(source, unused=unused, repair=repair)
-    with patience(f"renumbering {len(mesh.tets):,} tetras"):
-        mesh = renumber(mesh, numbering, seed)
+        mesh = read_any(source, unused=unused, repair=repair)
+    with patience(f"renumbering {count(mesh)}"):
+        mesh = reorder(mesh, numbering, seed)
     with patience(f"writing {target}"):
-        write_mesh(mesh, target, field=field)
-    for sentence in mesh.report.warnings:
+        lost = write_any(mesh, target, field=field)
+    for sentence in (*mesh.report.warnings, *told(mesh, unused), *filter(None, [lost])):
         say(sentence)
-    if unused == "drop" and mesh.report.unreferenced:
-        say(f"left out {mesh.report.unreferenced:,} points that no tetra uses")
-    if mesh.report.quadratic:
-        say(f"took the corners of {mesh.report.quadratic:,} tetras with midside nodes")
     if mesh.report.skipped:
-        say("left out " + ", ".join(f"{name} {count:,}" for name, count in mesh.report.skipped.items()))
-    say(f"wrote {target}: {len(mesh.tets):,} tetras, {len(mesh.points):,} points")
+        say("left out " + ", ".join(f"{name} {number:,}" for name, number in mesh.report.skipped.items()))
+    say(f"wrote {target}: {count(mesh)}, {len(mesh.points):,} points")
 
 
 @click.command()
-@click.argument("model", metavar="nozzle|intake|box")
-@click.option("--tets", callback=read_count, metavar="N", help="Wanted number of tetras, such as 100k.")
+@click.argument("model", metavar="nozzle|intake|box|triangle|quad|hexagon|voronoi")
+@click.option(
+    "--tets", "--cells", "size", callback=read_count, metavar="N", help="Wanted number of them, such as 100k."
+)
 @numbering_option
 @seed_option
 @field_option
-@click.option("-o", "--output", metavar="FILE.nas", type=FILE, callback=check_folder, required=True)
-def generate(model: str, tets: int | None, numbering: str, seed: int, field: str | None, output: Path) -> None:
-    """Make a model without a mesher and write it: the same file for the same seed."""
-    from tetrabench.io import check_target, write_mesh
+@click.option("-o", "--output", metavar="FILE.nas|FILE.npz", type=FILE, callback=check_folder, required=True)
+def generate(model: str, size: int | None, numbering: str, seed: int, field: str | None, output: Path) -> None:
+    """Make a model without a mesher and write it: the same file for the same seed.
+
+    The first three are of tetras, the others of polygons.
+    """
+    from tetrabench.io import check_field, check_target
+    from tetrabench.io.kinds import write_any
+    from tetrabench.io.polygons import check_polygon_target
     from tetrabench.mesh import models
+    from tetrabench.mesh.polygon import models as polygon_models
 
-    check_target(output, field)
-    with patience(f"making {model}"):
-        mesh = models.generate(model, tets, numbering=numbering, seed=seed)
+    find_named("model", {**models.MODELS, **polygon_models.MODELS}, model)
+    mesh: TetraMesh | PolygonMesh
+    if model in polygon_models.MODELS:
+        check_polygon_target(output)
+        check_field(output, field)
+        with patience(f"making {model}"):
+            mesh = polygon_models.generate_polygons(model, size, numbering=numbering, seed=seed)
+    else:
+        check_target(output, field)
+        with patience(f"making {model}"):
+            mesh = models.generate(model, size, numbering=numbering, seed=seed)
     with patience(f"writing {output}"):
-        write_mesh(mesh, output, field=field)
+        lost = write_any(mesh, output, field=field)
     click.echo(mesh.report.source)
-    say(f"wrote {output}")
+    for sentence in filter(None, [lost, f"wrote {output}"]):
+        say(sentence)
 
 
-def describe(inspection: Inspection) -> list[tuple[str, str]]:
+def count(mesh: TetraMesh | PolygonMesh) -> str:
+    """How many tetras or cells a mesh has."""
+    from tetrabench.mesh import TetraMesh
+
+    return f"{len(mesh.tets):,} tetras" if isinstance(mesh, TetraMesh) else f"{mesh.number_of_cells:,} cells"
+
+
+def inspect(mesh: TetraMesh | PolygonMesh) -> Inspection | PolygonInspection:
+    """What `info` tells."""
+    from tetrabench.mesh import TetraMesh
+
+    if isinstance(mesh, TetraMesh):
+        from tetrabench.mesh.inspection import inspect_mesh
+
+        return inspect_mesh(mesh)
+    from tetrabench.mesh.polygon.inspection import inspect_polygons
+
+    return inspect_polygons(mesh)
+
+
+def reorder(mesh: TetraMesh | PolygonMesh, numbering: str, seed: int) -> TetraMesh | PolygonMesh:
+    """The mesh in another order."""
+    from tetrabench.mesh import TetraMesh
+
+    if isinstance(mesh, TetraMesh):
+        from tetrabench.mesh.numbering import renumber
+
+        return renumber(mesh, numbering, seed)
+    from tetrabench.mesh.polygon.numbering import renumber_polygons
+
+    return renumber_polygons(mesh, numbering, seed)
+
+
+def told(mesh: TetraMesh | PolygonMesh, unused: str) -> list[str]:
+    """What `convert` says of what became of a file's mesh."""
+    from tetrabench.mesh import TetraMesh
+
+    report, sentences = mesh.report, []
+    if isinstance(mesh, TetraMesh):
+        if unused == "drop" and report.unreferenced:
+            sentences.append(f"left out {report.unreferenced:,} points that no tetra uses")
+    elif mesh.report.turned:
+        sentences.append(f"turned {mesh.report.turned:,} cells over")
+    if report.quadratic:
+        word = "tetras" if isinstance(mesh, TetraMesh) else "cells"
+        sentences.append(f"took the corners of {report.quadratic:,} {word} with midside nodes")
+    return sentences
+
+
+def describe(inspection: Inspection | PolygonInspection) -> list[tuple[str, str]]:
     """The table of `info`: names and values."""
     rows = []
     for name, value in vars(inspection).items():
         if isinstance(value, dict):
-            text = ", ".join(f"{key} {count:,}" for key, count in value.items())
+            text = ", ".join(f"{key} {number:,}" for key, number in value.items())
         elif isinstance(value, tuple):
             text = ", ".join(f"{x:.9g}" for x in value)
         elif isinstance(value, float):

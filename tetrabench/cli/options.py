@@ -104,7 +104,8 @@ repair_option = click.option(
     type=click.Choice(["refuse", "drop"]),
     default="refuse",
     show_default=True,
-    help="What becomes of tetras that repeat a node, are duplicates, or are more than two at a side.",
+    help="What becomes of tetras that repeat a node, are duplicates, or are more than two at a side; and of polygons that "
+    "repeat a node or are more than two at a side, of nodes in which parts touch that no sides join, and of nodes alone.",
 )
 format_option = click.option(
     "--format",

@@ -50,7 +50,7 @@ def check_values(ctx: click.Context, param: click.Parameter, path: Path | None) 
 @click.command()
 @click.argument("model", metavar="FILE|NAME")
 @family_option
-@click.option("--tets", callback=read_count, metavar="N", help="Size of a generated model, such as 100k.")
+@click.option("--tets", "--cells", "size", callback=read_count, metavar="N", help="Of a generated model, such as 100k.")
 @numbering_option
 @seed_option
 @click.option(
@@ -66,7 +66,7 @@ def check_values(ctx: click.Context, param: click.Parameter, path: Path | None) 
 def view(
     model: str,
     family: str,
-    tets: int | None,
+    size: int | None,
     numbering: str,
     seed: int,
     state: str,
@@ -78,16 +78,24 @@ def view(
 
     The states are those that a file written by --vtu holds; else those that every scenario starts from. A cut is at a
     coordinate (x=0.3), or at a share of the model's extent (x=30%).
+
+    A mesh of polygons is drawn whole, in the colours of its cells' numbers of nodes.
     """
     if output is None and vtu is None:
         raise click.UsageError("nothing to do: -o FILE.png draws a picture, --vtu FILE.vtu writes the net for ParaView")
-    from tetrabench import registry
+    from tetrabench.io.formats import NoCellsError
 
     with patience(f"looking up {model}"):
-        path = registry.family(family).find_model(model, size=tets, numbering=numbering, seed=seed)
+        path = find_file(model, family, size, numbering, seed)
     if vtu is not None and vtu.exists() and vtu.samefile(path):
         raise InputError(f"{vtu}: is what is read, and would be lost; write to another file")
-    mesh, held, are_initial = read_net(path, family)
+    try:
+        mesh, held, are_initial = read_net(path, family)
+    except NoCellsError as no_tetras:
+        if output is None or vtu is not None or cut is not None or state != "0":
+            reason = "polygons have no states and no cuts: -o FILE.png alone draws them"
+            raise InputError(f"{no_tetras}; {reason}") from None
+        return view_polygons(model, path, output, no_tetras)
     values = {"volume": volumes(mesh)} | held
     name = f"state_{state}" if state.isdecimal() else state
     shown = find_named("state", values, name)
@@ -108,12 +116,55 @@ def view(
         say(f"wrote {vtu}: {len(mesh.tets):,} tetras with {', '.join(held)}")
 
 
+def find_file(model: str, family_name: str, size: int | None, numbering: str, seed: int) -> Path:
+    """The file of a model: of whichever family has one of that name, or one that holds what the family stores, or polygons."""
+    from tetrabench import registry
+    from tetrabench.io import is_file
+    from tetrabench.io.kinds import is_surface
+
+    family = registry.family(family_name)
+    if model not in family.models:
+        if is_surface(model) and is_file(Path(model)):
+            if size is not None or numbering != "natural":
+                raise InputError(
+                    f"{model} is a file: a size or numbering can only be given for a model that is generated"
+                )
+            return Path(model)
+        family = next((other for other in registry.families() if model in other.models), family)
+    return family.find_model(model, size=size, numbering=numbering, seed=seed)
+
+
+def view_polygons(model: str, path: Path, output: Path, no_tetras: InputError) -> None:
+    """Draw a mesh of polygons, or say why there is none."""
+    from tetrabench.io.formats import NoCellsError
+    from tetrabench.io.polygons import read_polygons
+    from tetrabench.report.picture import save_picture
+    from tetrabench.report.polygon_picture import draw_polygons
+
+    try:
+        with patience(f"reading {path}"):
+            mesh = read_polygons(path)
+    except NoCellsError:
+        raise no_tetras from None
+    with patience(f"drawing {mesh.number_of_cells:,} cells"):
+        save_picture(draw_polygons(mesh, title=f"{Path(model).name}: {mesh.number_of_cells:,} cells"), output)
+    say(f"wrote {output}")
+
+
 def read_net(path: Path, family_name: str) -> tuple[TetraMesh, Values, bool]:
-    """The tetras of a file and their values by name; whether the states among these are those that scenarios start from."""
+    """The tetras of a file and their values by name; whether the states among these are those that scenarios start from.
+
+    Raises:
+        NoCellsError: it holds no tetras.
+    """
     from tetrabench import registry
     from tetrabench.io import read_mesh
+    from tetrabench.io.formats import NoCellsError
+    from tetrabench.io.kinds import is_surface
     from tetrabench.io.values import read_values
 
+    if is_surface(path):
+        raise NoCellsError(f"{path}: holds no tetras")
     with patience(f"reading {path}"):
         values = read_values(path)
         if "state_0" in values:

@@ -83,14 +83,19 @@ def check_target(path: str | os.PathLike[str], field: str | None = None, *, has_
             none.
     """
     suffix = known_suffix(path)
-    if field is not None and suffix not in NASTRAN:
-        raise InputError(f"{path}: a field form ({field}) can only be chosen for Nastran, {' '.join(NASTRAN)}")
+    check_field(path, field)
     if suffix not in NASTRAN and not BY_SUFFIX[suffix].writes:
         raise InputError(f"{path}: {BY_SUFFIX[suffix].title} files hold surfaces, no tetras")
     if has_values and (suffix in NASTRAN or not BY_SUFFIX[suffix].keeps_ids):
         able = " ".join(suffix for suffix, form in BY_SUFFIX.items() if form.keeps_ids)
         raise InputError(f"{path}: no values of tetras are kept in this format; they are in {able}")
     return suffix
+
+
+def check_field(path: str | os.PathLike[str], field: str | None) -> None:
+    """Refuse a form of fields where there are none."""
+    if field is not None and Path(path).suffix.lower() not in NASTRAN:
+        raise InputError(f"{path}: a field form ({field}) can only be chosen for Nastran, {' '.join(NASTRAN)}")
 
 
 def known_suffix(path: str | os.PathLike[str], known: Sequence[str] = (*NASTRAN, *BY_SUFFIX)) -> str:

@@ -82,8 +82,8 @@ class Format:
     prepare: Callable[[Path], Any] = lambda path: path
 
 
-class NoTetrasError(InputError):
-    """A file without a tetra; it may hold a mesh of another kind."""
+class NoCellsError(InputError):
+    """A file without cells of the kind that was asked for; it may hold others."""
 
 
 @dataclass
@@ -148,7 +148,7 @@ def read_foreign(path: str | os.PathLike[str], *, unused: str = "drop", repair: 
         repair: see `settle`.
 
     Raises:
-        NoTetrasError: it holds other cells, or none.
+        NoCellsError: it holds other cells, or none.
         InputError: what `raw_mesh` and `settle` refuse.
     """
     with raw_mesh(path) as raw:
@@ -158,7 +158,7 @@ def read_foreign(path: str | os.PathLike[str], *, unused: str = "drop", repair: 
         point_ids = ids_among(raw.mesh.point_data, POINT_ID, [slice(None)], len(points))
         tet_ids = ids_among(raw.mesh.cell_data, TETRA_ID, tetras, sum(map(len, corners)))
     if not tetras:
-        raise NoTetrasError(f"{path}: holds no tetras; it holds {list_cells(raw.cells)}")
+        raise NoCellsError(f"{path}: holds no tetras; it holds {list_cells(raw.cells)}")
     if points.shape[1] != 3:
         raise InputError(f"{path}: its points have {points.shape[1]} coordinates, not 3")
     report = MeshReport(

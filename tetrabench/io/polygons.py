@@ -24,8 +24,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetrabench.errors import InputError
-from tetrabench.io import is_file, known_suffix
-from tetrabench.io.formats import BY_SUFFIX, list_cells, meshio_at_work, raw_mesh, size_of
+from tetrabench.io import NASTRAN, is_file, known_suffix
+from tetrabench.io.formats import BY_SUFFIX, NoCellsError, list_cells, meshio_at_work, raw_mesh, size_of
 from tetrabench.io.off import read_off, write_off
 from tetrabench.memory import held_to_available, refuse_if_too_large
 from tetrabench.mesh.polygon.check import settle
@@ -67,8 +67,9 @@ def read_polygons(path: str | os.PathLike[str], *, repair: str = "refuse") -> Po
         repair: what becomes of faults: see `settle`. A file that `write_polygons` wrote as .npz has none.
 
     Raises:
-        InputError: an unknown suffix, a missing file, what the reader of the format refuses, no polygon in it, or what
-            `settle` refuses; `RepairableError` where repair="drop" would help.
+        NoCellsError: it holds other cells, or none.
+        InputError: an unknown suffix, a missing file, what the reader of the format refuses, or what `settle` refuses;
+            `RepairableError` where repair="drop" would help.
     """
     suffix, file = check_polygon_source(path), Path(path)
     if not is_file(file):
@@ -94,7 +95,7 @@ def read_meshio_lists(path: Path) -> CellLists:
             np.split(rows, [corners_of(kind, rows.shape[1])], axis=1) for kind, rows in held if is_polygon(kind)
         ]
     if not polygons:
-        raise InputError(f"{path}: holds no polygons; it holds {list_cells(raw.cells)}")
+        raise NoCellsError(f"{path}: holds no polygons; it holds {list_cells(raw.cells)}")
     sizes = np.concatenate([np.full(len(corners), corners.shape[1]) for corners, _ in polygons])
     nodes, midside = (np.concatenate([part.ravel() for part in parts]) for parts in zip(*polygons, strict=True))
     points = raw.points
@@ -196,8 +197,8 @@ def check_polygon_target(path: str | os.PathLike[str]) -> str:
     Raises:
         InputError: an unknown suffix, or a format that polygons are not written in.
     """
-    suffix = check_polygon_source(path)
+    suffix = Path(path).suffix.lower()
     if suffix not in MOST_NODES:
-        title = BY_SUFFIX[suffix].title
+        title = "Nastran" if suffix in NASTRAN else BY_SUFFIX[check_polygon_source(path)].title
         raise InputError(f"{path}: polygons are not written as {title}; write {' '.join(MOST_NODES)}")
     return suffix

@@ -152,9 +152,9 @@ def _choose_colours(values: ArrayLike | None, tetras: int, limits: tuple[float, 
 
 def _draw_surface(points: Reals, surface: Surface, colours: Colours, title: str) -> Figure:
     figure = Figure(figsize=(WIDTH, HEIGHT))
-    _add_title(figure, title)
+    add_title(figure, title)
     bar = 0.0 if colours.values is None else 0.12
-    axes = _add_space(figure, (0.01, 0.03, 0.97 - bar, 0.91), points[np.unique(surface.triangles)], zoom=1.04)
+    axes = add_space(figure, (0.01, 0.03, 0.97 - bar, 0.91), points[np.unique(surface.triangles)], zoom=1.04)
     _add_surface(axes, points, surface, colours.of(surface.tetras), EDGE, DARKEST)
     if colours.values is not None:
         _add_bar(figure, figure.add_axes((0.86, 0.2, 0.022, 0.5)), colours, "vertical")
@@ -170,7 +170,7 @@ def _draw_cut(points: Reals, surface: Surface, plane: Plane, polygons: Cut, colo
     width = WIDTH - BESIDE - 1.1  # inches, of the cut with its margins
     height = float(np.clip(width * extent[1] / max(extent[0], TINY), 2.6, 6.6))
     figure = Figure(figsize=(WIDTH, height + 1.2))
-    _add_title(figure, title)
+    add_title(figure, title)
 
     def place(left: float, bottom: float, width: float, height: float) -> Place:
         """Of axes, from inches."""
@@ -178,9 +178,9 @@ def _draw_cut(points: Reals, surface: Surface, plane: Plane, polygons: Cut, colo
         return left / w, bottom / h, width / w, height / h
 
     axes = figure.add_axes(place(0.8, 0.6, width, height))
-    paint = _paint(colours.of(polygons.tetras), EDGE)
-    paint["antialiased"] = len(corners) <= FEW  # there is the rim to smooth the outline
-    axes.add_collection(PolyCollection(list(corners), **paint))
+    look = paint(colours.of(polygons.tetras), EDGE)
+    look["antialiased"] = len(corners) <= FEW  # there is the rim to smooth the outline
+    axes.add_collection(PolyCollection(list(corners), **look))
     axes.add_collection(LineCollection(list(rim[..., (across, up)]), colors=RIM, linewidths=0.9, capstyle="round"))
     axes.set_aspect("equal")
     axes.margins(0.03)
@@ -188,11 +188,11 @@ def _draw_cut(points: Reals, surface: Surface, plane: Plane, polygons: Cut, colo
     axes.spines[["top", "right"]].set_visible(False)
 
     left, top = WIDTH - BESIDE - 0.15, figure.get_figheight()
-    inset = _add_space(figure, place(left, top - 2.6, BESIDE, 2.2), points[np.unique(surface.triangles)], zoom=1.1)
+    inset = add_space(figure, place(left, top - 2.6, BESIDE, 2.2), points[np.unique(surface.triangles)], zoom=1.1)
     inset.set_axis_off()
     inset.computed_zorder = False  # the cut shines through what is before it
     _add_surface(inset, points, surface, np.tile(GLASS, (len(surface.tetras), 1)), None, DARKEST_GLASS)
-    inset.add_collection3d(Poly3DCollection(polygons.corners, **_paint(colours.of(polygons.tetras), None)))
+    inset.add_collection3d(Poly3DCollection(polygons.corners, **paint(colours.of(polygons.tetras), None)))
     inset.add_collection3d(Line3DCollection(rim, colors=RIM, linewidths=0.7))
     if colours.values is not None:
         bar = figure.add_axes(place(left + 0.15, top - 2.85, BESIDE - 0.3, 0.14))
@@ -200,7 +200,7 @@ def _draw_cut(points: Reals, surface: Surface, plane: Plane, polygons: Cut, colo
     return figure
 
 
-def _add_space(figure: Figure, place: Place, points: Reals, zoom: float) -> Any:
+def add_space(figure: Figure, place: Place, points: Reals, zoom: float) -> Any:
     """Add axes that hold the points (n, 3), one unit as long on each, seen from the eye without perspective."""
     with rc_context({"grid.color": "#dddddd", "grid.linewidth": 0.6}):
         axes: Any = figure.add_axes(place, projection="3d")
@@ -222,15 +222,15 @@ def _add_surface(axes: Any, points: Reals, surface: Surface, colours: Reals, edg
     corners = points[surface.triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1), TINY)[:, None]
-    turned = normals @ _eye().T
+    turned = normals @ eye().T
     seen = turned[:, 2] > 0
     light = np.clip(turned[seen] @ (LIGHT / np.linalg.norm(LIGHT)), 0, 1)
     shaded = colours[seen]
     shaded[:, :3] *= darkest + (1 - darkest) * light[:, None]
-    axes.add_collection3d(Poly3DCollection(corners[seen], **_paint(shaded, edge)))
+    axes.add_collection3d(Poly3DCollection(corners[seen], **paint(shaded, edge)))
 
 
-def _eye() -> Reals:
+def eye() -> Reals:
     """The directions to the right, upwards and to the eye, (3, 3): a row each."""
     elevation, azimuth = np.radians(ELEVATION), np.radians(AZIMUTH)
     right = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
@@ -239,14 +239,15 @@ def _eye() -> Reals:
     return np.array([right, np.cross(eye, right), eye])
 
 
-def _paint(colours: Reals, edge: str | None) -> dict[str, Any]:
+def paint(colours: Reals, edge: str | None) -> dict[str, Any]:
     """What draws shapes of these colours (k, 4): edges where they are few, of their own colour else, to close the seams."""
     if len(colours) > FEW or edge is None:
         return {"facecolors": colours, "edgecolors": colours, "linewidths": 0.25, "rasterized": True}
     return {"facecolors": colours, "edgecolors": edge, "linewidths": 0.3}
 
 
-def _add_title(figure: Figure, title: str) -> None:
+def add_title(figure: Figure, title: str) -> None:
+    """Write a title, without formulas, above all axes."""
     top = 1 - 0.12 / figure.get_figheight()
     figure.text(0.02, top, title, fontsize=12, fontweight="bold", va="top", parse_math=False)
 
