@@ -1,6 +1,7 @@
 """The exact file of a polygon mesh: to the bit, whole or not there, and any damage is one clear line."""
 
 import os
+import zipfile
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -178,6 +179,22 @@ def test_files_of_something_else(tmp_path: Path) -> None:
     with path.open("wb") as file:
         np.save(file, np.zeros(3))
     assert refused(path)
+
+
+def test_an_array_that_says_it_is_enormous(tmp_path: Path) -> None:
+    path = tmp_path / "a.npz"
+    save_polygons(surface(), path)
+    with zipfile.ZipFile(path) as archive:
+        members = {name: archive.read(name) for name in archive.namelist()}
+    shape = str(surface().nodes.shape).encode()
+    for size in (10**4, 10**9, 10**14, 10**30):
+        enormous = f"({size},)".encode()
+        nodes = members["nodes.npy"].replace(shape + b", }" + b" " * (len(enormous) - len(shape)), enormous + b", }")
+        assert nodes != members["nodes.npy"]
+        with zipfile.ZipFile(path, "w") as archive:
+            for name, data in {**members, "nodes.npy": nodes}.items():
+                archive.writestr(name, data)
+        assert refused(path)
 
 
 def test_a_file_larger_than_the_memory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

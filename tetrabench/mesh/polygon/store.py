@@ -3,7 +3,6 @@
 import contextlib
 import json
 import os
-import warnings
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,7 @@ import msgspec
 import numpy as np
 
 from tetrabench.errors import InputError
-from tetrabench.memory import held_to_available, refuse_if_too_large
+from tetrabench.memory import refuse_if_too_large
 from tetrabench.mesh.polygon.connect import belong_together
 from tetrabench.mesh.polygon.polygon_mesh import PolygonMesh, PolygonReport
 
@@ -64,11 +63,10 @@ def load_polygons(path: str | os.PathLike[str]) -> PolygonMesh:
             raise InputError(f"{path}: cannot be read: {error.strerror or error}") from error
         refuse_if_too_large(f"{path}", os.fstat(file.fileno()).st_size)
         try:
-            # A damaged file tells numpy to take any amount of memory, or only to warn.
-            with held_to_available(), warnings.catch_warnings(action="error"), np.load(file) as archive:
+            with np.load(file) as archive:
                 arrays = {name: archive[name] for name in ARRAYS}
                 report = msgspec.convert(json.loads(archive[REPORT].tobytes()), PolygonReport)
-        except Exception as error:  # numpy and zipfile raise anything
+        except Exception as error:  # numpy and zipfile raise anything, MemoryError where a size is damaged
             raise broken from error
     mesh = PolygonMesh(**arrays, report=report)
     if not has_shape(mesh):
