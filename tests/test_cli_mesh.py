@@ -110,7 +110,7 @@ def test_what_takes_long_says_what_it_is(tmp_path: Path, monkeypatch: pytest.Mon
         time.sleep(0.5)
         return read_mesh(*words, **options)
 
-    monkeypatch.setattr("tetrabench.io.read_mesh", slow_read)
+    monkeypatch.setattr("tetrabench.io.kinds.read_mesh", slow_read)
     result = say("info", tmp_path / "a.vtu")
     assert result.stderr.splitlines()[0] == f"reading {tmp_path / 'a.vtu'} ..."
     assert "\x1b" not in result.output

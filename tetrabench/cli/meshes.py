@@ -183,7 +183,7 @@ def told(mesh: TetraMesh | PolygonMesh, unused: str) -> list[str]:
         if unused == "drop" and report.unreferenced:
             sentences.append(f"left out {report.unreferenced:,} points that no tetra uses")
     elif mesh.report.turned:
-        sentences.append(f"turned {mesh.report.turned:,} cells over")
+        sentences.append(f"turned over {mesh.report.turned:,} of {mesh.number_of_cells:,} cells")
     if report.quadratic:
         word = "tetras" if isinstance(mesh, TetraMesh) else "cells"
         sentences.append(f"took the corners of {report.quadratic:,} {word} with midside nodes")

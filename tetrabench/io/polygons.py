@@ -160,7 +160,7 @@ def write_polygons(mesh: PolygonMesh, path: str | os.PathLike[str]) -> str:
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror or error}") from error
     given = np.unique(mesh.conditions[mesh.conditions < 0])
-    if given.tolist() == [CONDITION]:
+    if (given == CONDITION).all():
         return ""
     listed = ", ".join(map(str, given[::-1]))
     return f"{path}: the boundary conditions {listed} are not in it; only {EXACT} files hold them"
