@@ -5,6 +5,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
+from scipy.spatial import Delaunay
 
 from tetrabench.errors import InputError, MemoryRefusedError
 from tetrabench.mesh.polygon import PolygonMesh
@@ -189,6 +190,8 @@ def test_cells_of_hexagons_are_alike_but_for_the_halves() -> None:
     assert halves.sum() == 10
     assert found[~halves] == pytest.approx(np.full(95, 0.01), rel=1e-12)
     assert found[halves] == pytest.approx(np.full(10, 0.005), rel=1e-12)
+    heights = {np.ptp(mesh.points[cell, 1]).round(12) for cell in cells_of(mesh) if len(cell) == 6}
+    assert heights == {round(4 / 3 / 10, 12)}  # as of regular ones, in rows of 1 / 10
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -238,28 +241,55 @@ def test_centres_in_a_heap_away_from_the_sides() -> None:
     assert counts(mesh) == (40, 121, 82)
 
 
-def test_a_wrong_diagonal_is_flipped_back(rng: np.random.Generator) -> None:
-    sites = rng.random((300, 2))
-    triangles, opposite = triangulate(sites)
-    assert len(wrong_edges(sites, triangles, opposite)) == 0
-    before = {frozenset(three) for three in triangles.tolist()}
-    flipped = 0
-    for triangle in range(0, len(triangles), 7):
-        a, b, c = triangles[triangle]
-        beyond = opposite[triangle, 0]
-        if beyond < 0:
-            continue
-        fourth = next(v for v in triangles[beyond] if v not in (b, c))
-        if all(area(sites[[a, *pair]]) > 1e-6 for pair in ((b, fourth), (fourth, c))):  # they are convex together
-            flip(triangles, opposite, triangle, 0)
-            flipped += 1
-    assert flipped > 20
-    check_neighbours(triangles, opposite)
-    assert {frozenset(three) for three in triangles.tolist()} != before
-    flip_wrong(sites, triangles, opposite)
-    check_neighbours(triangles, opposite)
-    assert {frozenset(three) for three in triangles.tolist()} == before
-    assert all(area(sites[three]) > 0 for three in triangles)
+def test_wrong_diagonals_are_flipped_back(rng: np.random.Generator) -> None:
+    """In few points too, where a triangle has several wrong edges, and others of the hull."""
+    wrong = 0
+    for count in [6, 8, 10, 12] * 20 + [300]:
+        sites = rng.random((count, 2))
+        triangles, opposite = triangulate(sites)
+        assert len(wrong_edges(sites, triangles, opposite)) == 0
+        before = {frozenset(three) for three in triangles.tolist()}
+        for triangle in range(len(triangles)):
+            a, b, c = triangles[triangle]
+            beyond = opposite[triangle, 0]
+            if beyond >= 0:
+                fourth = next(v for v in triangles[beyond] if v not in (b, c))
+                if all(area(sites[[a, *pair]]) > 1e-6 for pair in ((b, fourth), (fourth, c))):  # convex together
+                    flip(triangles, opposite, triangle, 0)
+        check_neighbours(triangles, opposite)
+        wrong += len({frozenset(three) for three in triangles.tolist()} - before)
+        flip_wrong(sites, triangles, opposite)
+        check_neighbours(triangles, opposite)
+        assert {frozenset(three) for three in triangles.tolist()} == before
+        assert all(area(sites[three]) > 0 for three in triangles)
+    assert wrong > 500
+
+
+def test_wrong_diagonals_of_qhull_are_flipped() -> None:
+    """In a heap of points far smaller than all of them Qhull's rounding shows."""
+    wrong = 0
+    for seed in range(6):
+        sites = heap(2e-5, seed)
+        qhull = Delaunay(sites)
+        wrong += len(wrong_edges(sites, qhull.simplices, qhull.neighbors))
+        triangles, opposite = triangulate(sites)
+        assert len(wrong_edges(sites, triangles, opposite)) == 0
+        check_neighbours(triangles, opposite)
+        assert all(area(sites[three]) > 0 for three in triangles)
+    assert wrong > 0
+
+
+def test_points_that_qhull_leaves_out_are_refused() -> None:
+    with pytest.raises(
+        InputError, match=r"^two random points are too near each other to be told apart; take another seed$"
+    ):
+        triangulate(heap(1e-7, 0))
+
+
+def heap(size: float, seed: int) -> np.ndarray:
+    """Points all over the square, and most of them in a small one in its middle."""
+    random = np.random.default_rng(seed)
+    return np.concatenate([random.random((40, 2)), 0.5 + size * random.random((300, 2))])
 
 
 def area(three: np.ndarray) -> float:

@@ -34,7 +34,8 @@ def generate_polygons(name: str, cells: int | None = None, *, numbering: str = "
         seed: of the centres of "voronoi", and of the shuffling, 0 or more.
 
     Raises:
-        InputError: an unknown model or numbering, fewer than one cell wanted, more than MOST_CELLS, or a seed below 0.
+        InputError: an unknown model or numbering, fewer than one cell wanted, more than MOST_CELLS, a seed below 0, or
+            one that draws two centres of "voronoi" too near each other.
         MemoryRefusedError: more cells wanted than there is memory for.
     """
     model: PolygonModel = find_named("model", MODELS, name)

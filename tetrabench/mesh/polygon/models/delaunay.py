@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from tetrabench.errors import InputError
 from tetrabench.mesh.polygon.models.model import Points
 
 Triangles = NDArray[np.int32]
@@ -23,10 +24,15 @@ def triangulate(sites: Points) -> tuple[Triangles, Triangles]:
     Returns:
         triangles (t, 3) int32, counter-clockwise; opposite (t, 3) int32, the triangle across the edge opposite to each
         corner, or -1.
+
+    Raises:
+        InputError: sites so near each other that Qhull takes them for one: among ten million one pair may be.
     """
     from scipy.spatial import Delaunay
 
     triangulation = Delaunay(sites)
+    if len(triangulation.coplanar):  # left out by Qhull
+        raise InputError("two random points are too near each other to be told apart; take another seed")
     triangles, opposite = triangulation.simplices, triangulation.neighbors
     flip_wrong(sites, triangles, opposite)
     return triangles, opposite
