@@ -120,11 +120,11 @@ def test_a_ply_under_either_name_in_text_or_binary(tmp_path: Path) -> None:
             path.write_bytes(head.format(kind, name, "").encode() + body[: -17 if kind != "ascii 1.0" else -10])
             with pytest.raises(InputError):
                 read_polygons(path)
-    flagged = CUBE.astype("<f4").tobytes() + b"".join(struct.pack("<B4iB", 4, *cell, 4) for cell in CUBE_CELLS)
+    flagged = CUBE.astype("<f4").tobytes() + b"".join(struct.pack("<B4iB", 4, *cell, 0) for cell in CUBE_CELLS)
     path.write_bytes(
         head.format("binary_little_endian 1.0", "vertex_indices", "property uchar red\n").encode() + flagged
     )
-    with pytest.raises(InputError):
+    with pytest.raises(InputError, match="has values of its faces, which meshio mistakes for nodes"):
         read_polygons(path)
 
 
