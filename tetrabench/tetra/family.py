@@ -7,7 +7,9 @@ import numpy as np
 
 import tetrabench.io
 import tetrabench.mesh
+from tetrabench.errors import InputError
 from tetrabench.io import check_target, known_suffix, read_mesh, write_mesh
+from tetrabench.io.formats import NoCellsError
 from tetrabench.io.shelf import Shelf
 from tetrabench.jit import kernel
 from tetrabench.mesh import TetraMesh
@@ -165,7 +167,10 @@ class TetraFamily:
 
     def describe_model(self, path: Path) -> ModelFacts:
         """Tetras and points of a model, and the warnings of its reader."""
-        mesh = read_mesh(path)
+        try:
+            mesh = read_mesh(path)
+        except NoCellsError as error:
+            raise InputError(f"{error}; a mesh of polygons goes with --family polygon") from error
         return ModelFacts(mesh_size(mesh), tuple(mesh.report.warnings))
 
     def small_model(self) -> Path:
