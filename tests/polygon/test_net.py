@@ -49,6 +49,8 @@ def test_an_element_that_there_is_not(query, element):
     with pytest.raises(InputError, match=rf"^no {kind} .*: there are {kind}s 0 to {last}$"):
         getattr(net, query)(element)
     assert len(getattr(net, query)(last)) >= 2
+    with pytest.raises(InputError, match=rf"^no {kind} {last + 1}: "):
+        getattr(net, query)(last + 1)
 
 
 @pytest.mark.parametrize("elements", [[4], [-1], [0, 1, 4], [0.0], [[0, 1]], 3, "0", ["0"], [True], [2**40], [None]])
