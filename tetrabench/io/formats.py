@@ -267,6 +267,8 @@ def meshio_at_work(failure: str) -> Iterator[list[str]]:
                 yield said
         except MemoryError as error:
             raise MemoryRefusedError(f"{failure}: it needs more memory than there is, or it is damaged") from error
+        except InputError:  # ours
+            raise
         except (Exception, SystemExit) as error:
             told = " ".join(out.getvalue().split()) if isinstance(error, SystemExit) else first_line(error)
             raise InputError(
@@ -359,17 +361,20 @@ def doubt_abaqus(text: mmap.mmap, cells: Counter[str]) -> str:
 
 
 def doubt_ply(text: mmap.mmap, cells: Counter[str]) -> str:
-    """meshio takes what there is of a binary file that is cut, and loses its place where faces have values."""
-    header = text[: text.find(b"end_header")]
-    values = re.findall(rb"property", header[header.find(b"element face") :])
-    if b"format ascii" not in header and len(values) > 1:
-        return "has values of its faces, which meshio mistakes for nodes; write it without them, or as text"
-    return doubt_count(re.findall(rb"(?m)^element face (\d+)", header), sum(cells.values()))
+    """meshio takes what there is of a file that is cut."""
+    announced = re.findall(rb"(?m)^element face (\d+)", text[: text.find(b"end_header")])
+    return doubt_count(announced, sum(cells.values()))
 
 
 def prepare_ply(path: Path) -> io.BytesIO:
-    """Both names that the nodes of a face go by are usual, and meshio takes the cells for none under one of them."""
+    """Both names that the nodes of a face go by are usual, and meshio takes the cells for none under one of them.
+
+    Raises:
+        InputError: a binary file with values of its faces, where meshio loses its place.
+    """
     head, mark, rest = path.read_bytes().partition(b"end_header")
+    if b"format ascii" not in head and head[head.find(b"element face") :].count(b"\nproperty ") > 1:
+        raise InputError(f"{path}: has values of its faces, such as colours; write it without them, or as text")
     head = re.sub(rb"(?m)^(property list \w+ \w+) vertex_index\b", rb"\1 vertex_indices", head)
     return io.BytesIO(head + mark + rest)
 
@@ -397,8 +402,8 @@ FORMATS = (
     Format("dolfin-xml", "DOLFIN XML", (".xml",), room=4),
     Format("netgen", "Netgen", (".vol",), room=11, doubt=doubt_end(b"endmesh")),
     Format("stl", "STL", (".stl",), room=10, writes=False),
-    Format("ply", "PLY", (".ply",), room=10, writes=False, doubt=doubt_ply, prepare=prepare_ply),
-    Format("obj", "OBJ", (".obj",), room=10, writes=False, doubt=doubt_last_line, prepare=prepare_obj),
+    Format("ply", "PLY", (".ply",), room=28, writes=False, doubt=doubt_ply, prepare=prepare_ply),
+    Format("obj", "OBJ", (".obj",), room=13, writes=False, doubt=doubt_last_line, prepare=prepare_obj),
     Format("off", "OFF", (".off",), room=10, writes=False),
 )
 BY_SUFFIX = {suffix: form for form in FORMATS for suffix in form.suffixes}
