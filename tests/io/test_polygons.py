@@ -124,7 +124,7 @@ def test_a_ply_under_either_name_in_text_or_binary(tmp_path: Path) -> None:
     path.write_bytes(
         head.format("binary_little_endian 1.0", "vertex_indices", "property uchar red\n").encode() + flagged
     )
-    with pytest.raises(InputError, match="cube.ply: has values of its faces, such as colours"):
+    with pytest.raises(InputError, match=r"cube\.ply: has values of its faces, such as colours"):
         read_polygons(path)
 
 

@@ -17,7 +17,7 @@
 | AVS UCD | .avs | exact, 17 digits | from 1 |
 | DOLFIN XML | .xml | exact, 17 digits | from 1 |
 | Netgen | .vol | exact, 17 digits | from 1 |
-| surfaces: STL, PLY, OBJ, OFF | .stl .ply .obj .off | read only, to say what they hold | |
+| surfaces: STL, PLY, OBJ, OFF | .stl .ply .obj .off | no tetras; see `tetrabench.io.polygons` | |
 
 "Kept" are ids in two arrays of the file, `point_id` and `tetra_id`; a file without them is numbered from 1 in its own
 order, whatever labels it has: meshio does not hand them on.
