@@ -2,7 +2,6 @@
 
 from tetrabench.scenarios.polygon.build import Build
 from tetrabench.scenarios.polygon.gasdynamics import GAS_SCENARIOS
-from tetrabench.scenarios.polygon.gasdynamics import GAS_SCENARIOS
 from tetrabench.scenarios.polygon.queries import QUERY_SCENARIOS
 
 SCENARIOS = [Build(), *QUERY_SCENARIOS, *GAS_SCENARIOS]

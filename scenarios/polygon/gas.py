@@ -237,13 +237,13 @@ def cell_block(storage: Storage, gas: Gas, kick: float, drift: float, nodes: Lis
         density = mass / area
         pressure = (GAMMA - 1.0) * density * (gas.energy[c] - 0.5 * gas.push[c] * growth / mass)
         sound = np.sqrt(GAMMA * pressure / density)
-        squeeze, viscosity = 0.0, 0.0
-        if growth < 0.0 and drift > 0.0:
-            squeeze = -growth / (drift * area) * length
-            viscosity = length * (LINEAR * sound + 2.0 * QUADRATIC * squeeze)
+        squeeze = max(-growth, 0.0) / (drift * area) * length if drift > 0.0 else 0.0
         gas.push[c] = pressure + density * squeeze * (LINEAR * sound + QUADRATIC * squeeze)
         gas.drag[c] = DRAG * mass / count * (sound + squeeze) / length
         g = count * squares / (area * area)
+        viscosity = length * (
+            LINEAR * sound + 2.0 * QUADRATIC * squeeze
+        )  # counted even where the gas expands: it may turn
         damping = g * viscosity + count * gas.drag[c] / mass
         longest = min(longest, 4.0 / (damping + np.sqrt(damping * damping + 4.0 * g * sound * sound)))
     return SAFETY * longest

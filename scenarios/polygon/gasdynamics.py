@@ -1,4 +1,4 @@
-"""gasdynamics: steps of a Lagrangian gas, after Sod's shock tube; its two blocks; the queries of each block alone. Source: table 7.
+"""gasdynamics: steps of a Lagrangian gas; its two blocks; the queries of each block alone. Source: section 8, table 7.
 
 The source measured which share of a block's time goes into adjacency: time of gas-node-adjacency over that of gas-node, and of
 gas-cell-adjacency over that of gas-cell, of the same contestant on the same model. It is no part of a sum: within the block a
@@ -21,7 +21,17 @@ from tetrabench.polygon.interface import List, Storage, cell_nodes, node_star, n
 from tetrabench.polygon.net import PolygonNet
 from tetrabench.protocols import Answer, Options, Work
 from tetrabench.scenarios.polygon.base import PolygonScenario
-from tetrabench.scenarios.polygon.gas import LAST, NEXT, TIME, Gas, advance, cell_block, make_gas, node_block, total_energy
+from tetrabench.scenarios.polygon.gas import (
+    LAST,
+    NEXT,
+    TIME,
+    Gas,
+    advance,
+    cell_block,
+    make_gas,
+    node_block,
+    total_energy,
+)
 
 NODE_BYTES, CELL_BYTES = 128 + 64, 64 + 168
 """Least traffic of a block, with the format's own lists left out: a node's own part and one cell's; a node's and a cell's."""
@@ -211,19 +221,19 @@ class GasCellAdjacency(Adjacency):
 
 
 @kernel(allocates=False)
-def sum_of_stars(storage: Storage, nodes: List, cells: List) -> int:
+def sum_of_stars(storage: Storage, nodes: List, cells: List) -> Any:
     """The sum of all neighbours and cells of all nodes, boundary conditions included."""
-    total = 0
+    total: Any = 0
     for v in range(number_of_nodes(storage)):
         for j in range(node_star(storage, v, nodes, cells)):
-            total += np.int64(nodes[j]) + np.int64(cells[j])
+            total += np.int64(nodes[j]) + np.int64(cells[j])  # an int32 would run over
     return total
 
 
 @kernel(allocates=False)
-def sum_of_cells(storage: Storage, nodes: List) -> int:
+def sum_of_cells(storage: Storage, nodes: List) -> Any:
     """The sum of all nodes of all cells."""
-    total = 0
+    total: Any = 0
     for c in range(number_of_cells(storage)):
         for j in range(cell_nodes(storage, c, nodes)):
             total += np.int64(nodes[j])

@@ -1,4 +1,4 @@
-"""Sod's tube on the four models of polygons, beside the exact solution: `python -m tests.scenarios.polygon.sod results/sod.png`."""
+"""Sod's tube on the four models beside the exact solution: `python -m tests.scenarios.polygon.sod results/sod.png`."""
 
 import sys
 from pathlib import Path
@@ -67,8 +67,8 @@ def draw_sod(path: Path) -> None:
         velocity.set(ylim=(-0.15, 1.3), xlabel="x")
     rows[1, 0].set_ylabel("density")
     rows[2, 0].set_ylabel("velocity")
-    rows[1, 0].legend(frameon=False, markerscale=4)
-    rows[2, 0].legend(frameon=False, markerscale=4)
+    rows[1, 0].legend(frameon=False, markerscale=4, loc="upper right")
+    rows[2, 0].legend(frameon=False, markerscale=4, loc="upper left")
     figure.colorbar(cells, ax=rows[0].tolist(), label="density", shrink=0.8)
     figure.suptitle(f"Sod's shock tube at t = {TIME}: each mesh where the gas has carried it")
     figure.savefig(path, dpi=110)
