@@ -10,7 +10,7 @@ BASE ?= $(shell git rev-parse --quiet --verify origin/main >/dev/null && echo or
 GATE = --model nozzle --tets 30k --backend v3y,v4 --scenario alfa,flow
 FORMAT ?= table
 
-.PHONY: run test test-all lint types bench-native bench-peers bench-cgal gate gate-selftest measuring schema fuzz results reference screenshots thesis clean help
+.PHONY: run test test-all lint types bench-native bench-peers bench-cgal bench-polygon-peers gate gate-selftest measuring schema fuzz results reference screenshots thesis clean help
 
 help:            ## list the targets
 	@grep -E '^[a-z-]+: .*##|^[a-z-]+: *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 16
@@ -51,6 +51,10 @@ bench-native: $(VENV)/developing  ## our kernels beside C on the same arrays (ne
 bench-peers: $(VENV)/peers  ## our bulk operations beside packages from PyPI (a quarter of an hour; gmsh needs some system libraries)
 	@mkdir -p $(OUT)
 	$(BIN)/python tests/peers/bench_peers.py -o $(OUT)/peers.json
+
+bench-polygon-peers: $(VENV)/peers  ## our formats of polygon meshes beside C, CGAL, OpenMesh and xugrid (a quarter of an hour; needs gcc, g++, libcgal-dev, libopenmesh-dev)
+	$(BIN)/python -m tests.polygon_peers --turns xugrid=7 -o results/polygon-peers.json
+	$(BIN)/python results/regenerate.py --table
 
 bench-cgal: $(VENV)/developing  ## our half-face kernel beside CGAL and plain C++ (ten minutes; needs g++, libcgal-dev)
 	@mkdir -p $(OUT)

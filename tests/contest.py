@@ -179,12 +179,12 @@ def contend(prepared: dict[Row, Prepared], turns_of: Callable[[str], int], progr
 
 # ---- the table
 
-HEADING = "operation     numbering peer             ours     peer   ratio  95 %            turns   bar"
+HEADING = "operation               numbering       peer             ours     peer   ratio  95 %            turns   bar"
 
 
 def line(row: dict[str, Any]) -> str:
     """The line of a row; times in milliseconds."""
-    head = f"{row['operation']:<14}{row['numbering']:<10}{row['peer']:<12}"
+    head = f"{row['operation']:<24}{row['numbering']:<16}{row['peer']:<12}"
     if "difference" in row:
         return f"{head}NOT TIMED, the answers differ: {row['difference']}"
     verdict = {None: "", True: "met", False: "MISSED"}[row["met"]]
