@@ -105,7 +105,7 @@ def test_missing_model_says_how_to_get_one(tmp_path: Path):
 def test_unknown_names_are_answered_with_the_nearest():
     assert "did you mean 'v3y'?" in refusal(*RUN, "--backend", "v3,v3yy")
     assert "did you mean 'explode'?" in refusal(*RUN, "--scenario", "exploed")
-    assert "there are: tetra" in refusal(*RUN, "--family", "tetras")
+    assert "there are: polygon, tetra" in refusal(*RUN, "--family", "tetras")
     assert "did you mean 'nozzle'?" in refusal("generate", "nozle", "-o", "nozzle.nas")
 
 
