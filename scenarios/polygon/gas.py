@@ -102,7 +102,7 @@ def make_gas(storage: Storage, mesh: PolygonMesh, density: Values, pressure: Val
         last_place=np.array(mesh.points, np.float64, order="C"),
         velocity=np.zeros_like(mesh.points),
         last_velocity=np.zeros_like(mesh.points),
-        node_mass=np.bincount(mesh.nodes, np.repeat(mass / counts, counts)),
+        node_mass=np.asarray(np.bincount(mesh.nodes, np.repeat(mass / counts, counts)), np.float64),
         slide=freedoms(mesh, corners),
         cell_mass=mass,
         area=area,

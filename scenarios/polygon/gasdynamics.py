@@ -33,8 +33,8 @@ from tetrabench.scenarios.polygon.gas import (
     total_energy,
 )
 
-NODE_BYTES, CELL_BYTES = 128 + 64, 64 + 168
-"""Least traffic of a block, with the format's own lists left out: a node's own part and one cell's; a node's and a cell's."""
+NODE_BLOCK, CELL_BLOCK = (128, 64), (64, 168)
+"""Least traffic of a block for each node and each cell: what it reads and writes of a gas. The format's own is left out."""
 LISTED_BYTES = 4
 """Least traffic for an item of a list."""
 
@@ -115,7 +115,7 @@ class GasDynamics(PolygonScenario):
 
     def work(self, flow: Flow, steps: int) -> Work:
         """Cells, each as often as there are steps."""
-        least = flow.net.number_of_nodes * NODE_BYTES + len(flow.net) * CELL_BYTES
+        least = least_bytes(flow.net, NODE_BLOCK) + least_bytes(flow.net, CELL_BLOCK)
         return Work(len(flow.net) * steps, "cell steps", steps * least)
 
 
@@ -140,7 +140,7 @@ class GasNode(PolygonScenario):
 
     def work(self, flow: Flow, outcome: None) -> Work:
         """Nodes."""
-        return Work(flow.net.number_of_nodes, "nodes", flow.net.number_of_nodes * NODE_BYTES)
+        return Work(flow.net.number_of_nodes, "nodes", least_bytes(flow.net, NODE_BLOCK))
 
 
 class GasCell(PolygonScenario):
@@ -167,7 +167,12 @@ class GasCell(PolygonScenario):
 
     def work(self, flow: Flow, step: float) -> Work:
         """Cells."""
-        return Work(len(flow.net), "cells", len(flow.net) * CELL_BYTES)
+        return Work(len(flow.net), "cells", least_bytes(flow.net, CELL_BLOCK))
+
+
+def least_bytes(net: PolygonNet, block: tuple[int, int]) -> int:
+    """Least traffic of a block on a net."""
+    return net.number_of_nodes * block[0] + len(net) * block[1]
 
 
 def next_times(gas: Gas) -> tuple[float, float]:
