@@ -1,6 +1,6 @@
 """The rows: which format beside which peer, with the bar where there is one; how their answers are compared."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -130,3 +130,29 @@ ROWS = [
     *(Row("build", form, peer, None, building) for form in ("by-edge", "tables") for peer in ("c", "openmesh")),
     Row("build", "tables", "xugrid", None, one_table),
 ]
+
+
+def elements_of(operation: str, mesh: PolygonMesh) -> int:
+    """How many cells or nodes an operation is about: what its time is divided by."""
+    if operation == "build":
+        return mesh.number_of_cells
+    if operation.startswith("random "):
+        return PICKS
+    return len(mesh.points) if QUERIES[operation].of_nodes else mesh.number_of_cells
+
+
+def bars_of(results: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Each bar among these rows, and which of the formats that are held against it stay under it.
+
+    The bar of a query is reached where one format does, for it is the best one's; that of building where all do. Whoever
+    answers wrong, or had help from other threads, does not.
+    """
+    bars: dict[tuple[str, str], dict[str, Any]] = {}
+    for row in results:
+        if row["bar"] is not None:
+            head = {name: row[name] for name in ("operation", "peer", "bar")}
+            bar = bars.setdefault((row["operation"], row["peer"]), head | {"formats": {}})
+            bar["formats"][row["numbering"]] = bool(row.get("met") and row["one_thread"])
+    for bar in bars.values():
+        bar["reached"] = (all if bar["operation"] == "build" else any)(bar["formats"].values())
+    return list(bars.values())

@@ -1,6 +1,7 @@
 """The peers answer as the naive twin does, and a contest finds whoever does not."""
 
 import itertools
+import json
 import shutil
 import subprocess
 
@@ -9,8 +10,8 @@ import pytest
 
 from tests.polygon.twin import Twin
 from tests.polygon_peers.__main__ import main
-from tests.polygon_peers.contests import ROWS, Case, at_random, differ, in_order
-from tests.polygon_peers.library import HERE, PEERS, Peer
+from tests.polygon_peers.contests import ROWS, Case, at_random, bars_of, differ, elements_of, in_order
+from tests.polygon_peers.library import FLAGS, HERE, PEERS, Peer
 from tetrabench.errors import InputError
 from tetrabench.mesh.polygon.models import MODELS, generate_polygons
 from tetrabench.polygon.queries import QUERIES
@@ -77,9 +78,41 @@ def test_a_contest_compares_sums_and_lists(tmp_path, way, monkeypatch):
     assert differ(query, case, peer, 1, 1) == "the lists are others"
 
 
-def test_the_tables_compile_without_a_warning(tmp_path):
-    command = ["gcc", "-std=c11", "-O3", "-Wall", "-Wextra", "-Werror", "-c", str(HERE / "tables.c"), "-o"]
-    assert subprocess.run([*command, str(tmp_path / "tables.o")], capture_output=True).returncode == 0
+@pytest.mark.parametrize("name", PEERS)
+def test_a_peer_compiles_without_a_warning(name, tmp_path):
+    """Headers of the system may warn of what they like."""
+    (compiler, standard, source, *_), packages = PEERS[name]
+    command = [compiler, standard, *FLAGS, "-Wall", "-Wextra", "-c", str(HERE / source), "-o", str(tmp_path / "peer.o")]
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode and "No such file" in done.stderr:
+        pytest.skip(f"needs {packages}")
+    ours = [line for line in done.stderr.splitlines() if line.startswith(str(HERE)) and "warning:" in line]
+    assert (done.returncode, ours) == (0, [])
+
+
+def test_a_bar_of_a_query_is_the_best_formats_and_that_of_building_everyones():
+    def row(operation, form, *, met, one_thread=True):
+        head = {"operation": operation, "numbering": form, "peer": "c", "bar": 1.6}
+        return head | ({"difference": "wrong"} if met is None else {"met": met, "one_thread": one_thread})
+
+    def reached(*rows):
+        return [bar["reached"] for bar in bars_of(rows)]
+
+    for operation, one_is_enough in (("cell-nodes", True), ("build", False)):
+        good = row(operation, "by-cell", met=True)
+        assert reached(good) == [True]
+        bad = [{"met": False}, {"met": None}, {"met": True, "one_thread": False}]
+        for how in bad:
+            assert reached(good, row(operation, "tables", **how)) == [one_is_enough]
+            assert reached(row(operation, "tables", **how)) == [False]
+    assert reached(row("build", "tables", met=None) | {"bar": None}) == []
+
+
+def test_a_time_is_divided_by_what_was_asked():
+    mesh = generate_polygons("quad", 30)
+    wanted = {"build": mesh.number_of_cells, "cell-nodes": mesh.number_of_cells, "node-cells": len(mesh.points)}
+    assert {name: elements_of(name, mesh) for name in wanted} == wanted
+    assert elements_of("random node-cells", mesh) == 1_000_000
 
 
 def test_the_rows_name_what_there_is(capsys, tmp_path):
@@ -87,7 +120,14 @@ def test_the_rows_name_what_there_is(capsys, tmp_path):
     target = tmp_path / "peers.json"
     words = ["--cells", "40", "--turns", "6", "--only", "cell-nodes,by-cell,c", "-o", str(target)]
     assert main(words) == 0
-    assert "cell-nodes" in capsys.readouterr().out
-    assert '"bytes_a_cell"' in target.read_text()
+    assert "bars reached: " in capsys.readouterr().out
+    document = json.loads(target.read_text())
+    assert (
+        {row["operation"] for row in document["rows"]}
+        == {bar["operation"] for bar in document["bars"]}
+        == {"cell-nodes"}
+    )
+    assert [row["elements"] for row in document["rows"]] == [generate_polygons("quad", 40).number_of_cells]
+    assert document["bytes_a_cell"]["by-cell"] > 0
     with pytest.raises(SystemExit):
         main(["--only", "by-magic"])
