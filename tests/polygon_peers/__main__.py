@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from tests.contest import HEADING, Progress, contend, prepare, rows_of, turns_by_peer
-from tests.polygon_peers.contests import ROWS, Case, bars_of, elements_of
+from tests.polygon_peers.contests import ROWS, Case, bars_of, elements_of, unsteady
 from tests.polygon_peers.library import FLAGS, load_peers
 from tetrabench.bench.environment import describe_environment
 from tetrabench.mesh.polygon.models import MODELS, generate_polygons
@@ -76,6 +76,12 @@ def main(words: list[str] | None = None) -> int:
         if over:
             verdict = "reached, but not by" if bar["reached"] else "not reached:"
             print(f"{bar['operation']} beside {bar['peer']}, {bar['bar']:g}: {verdict} {over}")
+    doubtful = unsteady(results)
+    for row in doubtful:
+        times = f"{1e3 * row['low_s']:.3g} to {1e3 * row['high_s']:.3g} ms"
+        print(
+            f"{row['operation']}: {row['peer']} took {times} for the same; do not believe it, run again when all is quiet"
+        )
     for name, reason in missing.items():
         print(f"{name} is missing, its rows are left out: {reason}")
     if options.output:
@@ -86,6 +92,7 @@ def main(words: list[str] | None = None) -> int:
             "mesh": mesh.report.source,
             "bytes_a_cell": weights,
             "bars": bars,
+            "unsteady": doubtful,
             "rows": results,
         }
         options.output.write_text(json.dumps(document, indent=1) + "\n")

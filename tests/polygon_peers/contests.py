@@ -29,6 +29,8 @@ BARS = {
 """Of the best format, beside plain tables in C: all in order, some at random."""
 BEST = {"cell-nodes": "by-cell", "cell-neighbours": "by-cell", "node-cells": "by-node", "node-neighbours": "by-node"}
 """Which of the source's formats has the list of a query ready, and is held against the bar; so are our tables."""
+STEADY = 1.25
+"""What a peer may take longer for the same beside one format than beside another."""
 
 
 @dataclass
@@ -119,8 +121,8 @@ def _query_rows() -> list[Row]:
             contest = partial(way, query)
             for form in FORMATS:
                 rows.append(Row(prefix + name, form, "c", bar if form in (BEST[name], "tables") else None, contest))
-            rows += [Row(prefix + name, form, "cgal", 1.0, contest) for form in (BEST[name], "tables")]
-            rows += [Row(prefix + name, BEST[name], "openmesh", None, contest)]
+            for peer, ahead in (("cgal", 1.0), ("openmesh", None)):
+                rows += [Row(prefix + name, form, peer, ahead, contest) for form in (BEST[name], "tables")]
     return rows
 
 
@@ -156,3 +158,19 @@ def bars_of(results: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
     for bar in bars.values():
         bar["reached"] = (all if bar["operation"] == "build" else any)(bar["formats"].values())
     return list(bars.values())
+
+
+def unsteady(results: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Operations that took a peer longer beside one format than beside another, though it did the same: [low_s, high_s].
+
+    Somebody else was at work on the machine, and slowed one side of a ratio more than the other: the pairs do not help.
+    """
+    times: dict[tuple[str, str], list[float]] = {}
+    for row in results:
+        if "peer_s" in row:
+            times.setdefault((row["operation"], row["peer"]), []).append(row["peer_s"])
+    return [
+        {"operation": operation, "peer": peer, "low_s": min(found), "high_s": max(found)}
+        for (operation, peer), found in times.items()
+        if max(found) > STEADY * min(found)
+    ]

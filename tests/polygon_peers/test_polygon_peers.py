@@ -10,7 +10,7 @@ import pytest
 
 from tests.polygon.twin import Twin
 from tests.polygon_peers.__main__ import main
-from tests.polygon_peers.contests import ROWS, Case, at_random, bars_of, differ, elements_of, in_order
+from tests.polygon_peers.contests import ROWS, Case, at_random, bars_of, differ, elements_of, in_order, unsteady
 from tests.polygon_peers.library import FLAGS, HERE, PEERS, Peer
 from tetrabench.errors import InputError
 from tetrabench.mesh.polygon.models import MODELS, generate_polygons
@@ -106,6 +106,16 @@ def test_a_bar_of_a_query_is_the_best_formats_and_that_of_building_everyones():
             assert reached(good, row(operation, "tables", **how)) == [one_is_enough]
             assert reached(row(operation, "tables", **how)) == [False]
     assert reached(row("build", "tables", met=None) | {"bar": None}) == []
+
+
+def test_a_peer_that_takes_longer_for_the_same_is_not_believed():
+    def rows(*times, operation="cell-nodes", peer="c"):
+        return [{"operation": operation, "peer": peer, "peer_s": time} for time in times]
+
+    wrong = {"operation": "cell-nodes", "peer": "c", "difference": "the lists are others"}
+    assert unsteady([*rows(1.0, 1.24), wrong]) == []
+    assert unsteady([*rows(1.0), *rows(2.0, peer="cgal"), *rows(3.0, operation="node-cells")]) == []
+    assert unsteady(rows(1.1, 2.0, 1.0)) == [{"operation": "cell-nodes", "peer": "c", "low_s": 1.0, "high_s": 2.0}]
 
 
 def test_a_time_is_divided_by_what_was_asked():
