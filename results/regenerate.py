@@ -9,11 +9,14 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 
+import polygon_tables
+
 RESULTS = Path(__file__).parent
-README, FINDINGS, HALFFACE = (
+README, FINDINGS, HALFFACE, POLYGON = (
     RESULTS.parent / "README.md",
     RESULTS / "README.md",
     RESULTS.parent / "docs" / "halfface.md",
+    RESULTS.parent / "docs" / "polygon.md",
 )
 RUNS = {
     "nozzle-120k-quick": "--model nozzle --tets 120k --quick",
@@ -25,10 +28,19 @@ RUNS = {
     "thesis-nozzle-shuffled": "--model nozzle --numbering shuffled --thesis",
     "thesis-intake": "--model intake --thesis",
     "thesis-intake-shuffled": "--model intake --numbering shuffled --thesis",
+} | {
+    f"polygon-{model}": f"--family polygon --model {model} --scenario {','.join(polygon_tables.TASKS)} --rounds 1"
+    + " --quick" * (model != "quad")
+    for model in polygon_tables.MODELS
 }
 """File in this folder -> what `tetrabench run` is told."""
 REFERENCE = ["reference-nozzle", "reference-intake"]
 """What is concluded from."""
+SOURCES = {
+    "source": ("tetra", REFERENCE),
+    "polygon-source": ("polygon", [f"polygon-{model}" for model in polygon_tables.MODELS]),
+}
+"""Pages about what the source of a family found: the family, and the runs that they put beside it."""
 
 
 def tetrabench(*arguments: str) -> str:
@@ -62,15 +74,16 @@ def advice() -> str:
     return "\n".join([_markdown(lines), "", *words, "", "What it costs to take the next one:", "", *costs])
 
 
-def findings() -> str:
-    """Which findings of the source still hold."""
+def findings(page: str) -> str:
+    """Which findings of a source still hold: the overview of a page about it."""
     from tetrabench.bench import read_results
     from tetrabench.registry import source
     from tetrabench.report.thesis.comparison import compare_with_source
     from tetrabench.report.thesis.page import overview_as_markdown
 
-    runs = [read_results(Path(file_of(name))) for name in REFERENCE]
-    return overview_as_markdown(compare_with_source(runs, source("tetra")))
+    family, names = SOURCES[page]
+    runs = [read_results(Path(file_of(name))) for name in names]
+    return overview_as_markdown(compare_with_source(runs, source(family)))
 
 
 def numbering() -> str:
@@ -109,6 +122,16 @@ def contests(name: str) -> str:
     return _markdown(lines)
 
 
+def polygon(make: Callable[[], polygon_tables.Lines]) -> str:
+    """A table of docs/polygon.md."""
+    return _markdown(make())
+
+
+def polygon_peers() -> str:
+    """The formats of polygon meshes beside other libraries."""
+    return "\n\n".join(map(_markdown, polygon_tables.peers()))
+
+
 def _figure(value: float) -> str:
     return f"{value:.3g}" if value < 100 else f"{value:,.0f}"
 
@@ -124,14 +147,19 @@ def file_of(name: str) -> str:
 
 BLOCKS: dict[str, tuple[Path, Callable[[], str]]] = {
     "what to use": (FINDINGS, advice),
-    "findings of the source": (FINDINGS, findings),
+    "findings of the source": (FINDINGS, partial(findings, "source")),
     "layout and numbering": (FINDINGS, numbering),
     "half-faces beside CGAL": (HALFFACE, beside_cgal),
     "half-faces beside packages": (HALFFACE, partial(contests, "peers-examples")),
+    "findings about polygons": (POLYGON, partial(findings, "polygon-source")),
+    "polygon values": (POLYGON, partial(polygon, polygon_tables.values)),
+    "polygon queries": (POLYGON, partial(polygon, polygon_tables.queries)),
+    "polygon shares": (POLYGON, partial(polygon, polygon_tables.shares)),
+    "polygon peers": (POLYGON, polygon_peers),
 } | {
     f"table {name}": (README if name == "nozzle-120k-quick" else FINDINGS, partial(table, name))
     for name in RUNS
-    if name != "numbering-nozzle"
+    if name != "numbering-nozzle" and not name.startswith("polygon-")
 }
 """What stands between two marks: on which page, and what it says."""
 
@@ -165,9 +193,10 @@ def regenerate(names: list[str], *, run: bool) -> Iterator[str]:
             tetrabench("run", *RUNS[name].split(), "-o", file_of(name))
         yield f"drawing {name}"
         tetrabench("show", file_of(name), "--charts", str(folder))
-    if set(names) & set(REFERENCE):
-        yield "writing source.md"
-        tetrabench("report", *map(file_of, REFERENCE), "--thesis", "-o", str(RESULTS / "source.md"))
+    for page, (_, beside) in SOURCES.items():
+        if set(names) & set(beside):
+            yield f"writing {page}.md"
+            tetrabench("report", *map(file_of, beside), "--thesis", "-o", str(RESULTS / f"{page}.md"))
     for block in BLOCKS:
         yield f"writing {block}"
         rewrite(block)

@@ -27,10 +27,11 @@ def test_pages_show_what_the_committed_runs_say(block):
     assert regenerate.shown(block) == make().strip()
 
 
-def test_the_page_about_the_source_is_that_of_the_reference_runs(tmp_path):
-    files = [regenerate.file_of(name) for name in regenerate.REFERENCE]
-    regenerate.tetrabench("report", *files, "--thesis", "-o", str(tmp_path / "source.md"))
-    assert (tmp_path / "source.md").read_text() == (ROOT / "results" / "source.md").read_text()
+@pytest.mark.parametrize("page", regenerate.SOURCES)
+def test_the_page_about_the_source_is_that_of_the_committed_runs(tmp_path, page):
+    files = [regenerate.file_of(name) for name in regenerate.SOURCES[page][1]]
+    regenerate.tetrabench("report", *files, "--thesis", "-o", str(tmp_path / f"{page}.md"))
+    assert (tmp_path / f"{page}.md").read_text() == (ROOT / "results" / f"{page}.md").read_text()
 
 
 def test_an_unknown_run_is_refused(monkeypatch, capsys):

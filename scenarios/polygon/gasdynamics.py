@@ -98,7 +98,7 @@ class GasDynamics(PolygonScenario):
 
     name = "gasdynamics"
     title = "Sod's shock tube: steps of a Lagrangian gas, a sum around each node, and one around each cell"
-    options = {"steps": 10}
+    options = {"steps": 3}
     thesis = {"steps": 1}
 
     def prepare(self, stage: Any, options: Options) -> Flow:

@@ -47,7 +47,7 @@ def test_every_contestant_stands_in_every_table():
     tables = [times for tasks in TIMES.values() for times in tasks.values()] + list(SOURCE.memory.values())
     assert len(tables) == 14
     assert all(list(table) == list(SOURCE.contestants) for table in tables)
-    assert set(SOURCE.figures.values()) == set(TIMES) == set(SOURCE.memory) == set(SOURCE.models)
+    assert set(SOURCE.figures) == set(TIMES) == set(SOURCE.memory) == set(SOURCE.models)
 
 
 def test_titles_are_those_of_the_family():

@@ -101,11 +101,12 @@ class Source:
         machine: what its figures were measured on, with the compiler.
         reference: the contestant that its figures are compared with here.
         contestants: title by name, in the order of its tables.
-        figures: the model that each of its figures shows, by number.
+        figures: what shows a model's times in it, by model, such as "figure 10".
         counts: how much of each task it did, as options of our scenarios; a task that has none is not there.
         models: how large they were.
         times: of its tables; spoken: of its text alone.
-        memory: kB by model and contestant: the most that a run held.
+        decimals: of the seconds in its tables.
+        memory: kB by model and contestant; held: what these are.
         notes: what is to be known of its figures, a sentence each.
     """
 
@@ -123,6 +124,8 @@ class Source:
     memory: Mapping[str, Mapping[str, int]]
     findings: Sequence[Finding]
     spoken: Times = field(default_factory=dict)
+    decimals: int = 2
+    held: str = "the most that the whole program held, kB"
     notes: Sequence[str] = ()
 
     @property

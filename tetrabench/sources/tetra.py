@@ -311,7 +311,7 @@ SOURCE = Source(
     "-funroll-loops -ffast-math",
     reference="v3y",
     contestants=CONTESTANTS,
-    figures={"10": "nozzle", "11": "intake"},
+    figures={"nozzle": "figure 10", "intake": "figure 11"},
     models={"nozzle": "642,700 tetras", "intake": "155,325 tetras"},
     counts={
         "delete": {"deletions": 20_000},

@@ -540,10 +540,10 @@ def test_a_page_with_its_figures_beside_it(nozzle, tmp_path):
 
 
 def test_runs_without_a_source_are_refused(nozzle):
-    other = msgspec.structs.replace(nozzle, family="polygon")
-    with pytest.raises(InputError, match="several families, tetra, polygon,"):
+    other = msgspec.structs.replace(nozzle, family="marsupial")
+    with pytest.raises(InputError, match="several families, tetra, marsupial,"):
         make_section([nozzle, other])
-    with pytest.raises(InputError, match="no source of the family 'polygon'"):
+    with pytest.raises(InputError, match="no source of the family 'marsupial'"):
         make_section([other])
 
 

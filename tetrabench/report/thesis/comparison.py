@@ -70,7 +70,7 @@ class Subject(msgspec.Struct, frozen=True, kw_only=True):
     """A model of a run beside the source's.
 
     Attributes:
-        name: unique in the comparison; model: that of the source; figure: the number of the source's that shows it.
+        name: unique in the comparison; model: that of the source; figure: what shows it there, such as "figure 10".
         title: the model, its size, how often it was measured.
         counts: by task, what was done "today (then)", where the source has counts.
         command, machine: of the run.
@@ -150,6 +150,7 @@ class Comparison(msgspec.Struct, frozen=True, kw_only=True):
         tasks, contestants: those of the source's tables, in their order; contestants with their titles.
         titles: of all contestants of the family, see record.Results.
         notes: what is to be known of the source's figures.
+        held: what its figures of memory are; decimals: of its seconds.
     """
 
     title: str
@@ -164,6 +165,8 @@ class Comparison(msgspec.Struct, frozen=True, kw_only=True):
     subjects: list[Subject]
     findings: list[Judged]
     notes: list[str]
+    held: str
+    decimals: int
 
 
 def compare_with_source(runs: Sequence[Results], source: Source) -> Comparison:
@@ -193,6 +196,8 @@ def compare_with_source(runs: Sequence[Results], source: Source) -> Comparison:
         subjects=[_subject(name, one, source) for name, one in measured.items()],
         findings=[_judge(finding, measured, source) for finding in source.findings],
         notes=list(source.notes),
+        held=source.held,
+        decimals=source.decimals,
     )
 
 
@@ -247,7 +252,7 @@ def _subject(name: str, measured: Measured, source: Source) -> Subject:
     return Subject(
         name=name,
         model=model,
-        figure=next((number for number, of in source.figures.items() if of == model), ""),
+        figure=source.figures.get(model, ""),
         title=part.title,
         then_title=f"{model}: {source.models.get(model, '')}",
         counts=_counts(measured, source),

@@ -50,7 +50,7 @@ def draw_figures(comparison: Comparison, results: Results) -> dict[str, Figure]:
 
 def name_of(subject: Subject) -> str:
     """The name of a model's figure, for a file."""
-    return f"figure-{subject.figure}-" + re.sub(r"\W+", "-", subject.name).strip("-")
+    return re.sub(r"\W+", "-", f"{subject.figure} {subject.name}").strip("-")
 
 
 def draw_figure(comparison: Comparison, subject: Subject, styles: Mapping[str, Style]) -> Figure:
@@ -63,7 +63,7 @@ def draw_figure(comparison: Comparison, subject: Subject, styles: Mapping[str, S
     ]
     top = _top(bar for panel in bars for group in panel for bar in group)
     titles = [
-        f"{comparison.year}, figure {subject.figure}: {subject.then_title}",
+        f"{comparison.year}, {subject.figure}: {subject.then_title}",
         f"today: {subject.title}",
     ]
     for axes, title, groups in zip(panels, titles, bars, strict=True):

@@ -6,6 +6,7 @@ Both are set from the same blocks; whatever a name in the results says, it stays
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from html import escape
 from pathlib import Path
 from urllib.parse import quote
@@ -159,11 +160,11 @@ def _blocks(comparison: Comparison) -> Iterator[Block]:
     yield _overview(comparison)
     yield from (_evidence(comparison, judged) for judged in comparison.findings)
     for subject in comparison.subjects:
-        yield Heading(f"Figure {subject.figure}: {subject.name}")
+        yield Heading(f"{subject.figure.capitalize()}: {subject.name}")
         yield from _about(comparison, subject)
     yield Heading("Memory")
     yield Text(
-        f"{year}: the most that the whole program held, kB. Today: used bytes of all buffers of the fresh structure; "
+        f"{year}: {comparison.held}. Today: used bytes of all buffers of the fresh structure; "
         "retained and peak private memory of its process. In brackets: multiples of "
         f"{comparison.reference}'s."
     )
@@ -204,7 +205,9 @@ def _about(comparison: Comparison, subject: Subject) -> Iterator[Block]:
         yield Text(f"Counts: {counts}. All that is compared are times of the same work, as ratios.")
     if subject.notes:
         yield Items([Text(note, "gone") for note in subject.notes])
-    yield Picture(name_of(subject), f"Figure {subject.figure} of the source, and the same of today: {subject.name}")
+    yield Picture(
+        name_of(subject), f"{subject.figure.capitalize()} of the source, and the same of today: {subject.name}"
+    )
     lines: list[tuple[str, Callable[[Entry], str]]] = [
         (str(year), lambda one: _then(one, reference)),
         ("today", lambda one: _today(one, reference)),
@@ -226,7 +229,7 @@ def _about(comparison: Comparison, subject: Subject) -> Iterator[Block]:
         [
             [Text(task), Text(when), *(Text(say(subject.entry(task, one))) for one in comparison.contestants)]
             for task in comparison.tasks
-            for when, say in ((f"{year}, s", _then_seconds), ("today", _seconds))
+            for when, say in ((f"{year}, s", partial(_then_seconds, decimals=comparison.decimals)), ("today", _seconds))
         ],
         names=2,
     )
@@ -254,8 +257,8 @@ def _interval(entry: Entry, reference: str) -> str:
     return "" if entry.contestant == reference or not entry.is_whole else entry.interval
 
 
-def _then_seconds(entry: Entry) -> str:
-    return f"{entry.then_s:.2f}" if entry.then_s is not None else ""
+def _then_seconds(entry: Entry, decimals: int) -> str:
+    return f"{entry.then_s:.{decimals}f}" if entry.then_s is not None else ""
 
 
 def _seconds(entry: Entry) -> str:
