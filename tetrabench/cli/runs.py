@@ -126,7 +126,7 @@ def list_(what: str, family: str) -> None:
     if what == "backends":
         marked = [(one.name + "*" * one.extension, one) for one in registry.contestants(family)]
         tabulate(
-            ["backend", "layout, slots", "trade-off"],
+            ["backend", "how it stores", "trade-off"],
             [(name, one.title, one.trade_off) for name, one in marked],
         )
         if any(one.extension for _, one in marked):
