@@ -49,6 +49,15 @@ class Facts(Protocol):
     def grown(self, task: str, since: str, one: str, other: str) -> Interval | None:
         """Bytes that one structure has more than another for each item of a task, less what it had more after `since`."""
 
+    def item(self, task: str, contestant: str) -> Interval | None:
+        """Seconds of an item of a task; of the source's, which did not count them, None."""
+
+    def structure(self, contestant: str) -> Interval | None:
+        """Bytes of a contestant's fresh structure."""
+
+    def size(self, things: str) -> Interval | None:
+        """How many of these the model has, such as "points"; of the source's, which is lost, None."""
+
 
 @dataclass(frozen=True)
 class Reading:
@@ -94,6 +103,41 @@ class Finding:
 
 
 @dataclass(frozen=True)
+class Line:
+    """A row of a table of the source.
+
+    Attributes:
+        words: what it is about, one for each word of the table's head.
+        printed: what the source printed, by model, as it is to be shown.
+        today: the same figure of a model, by its name; None where it is not known.
+    """
+
+    words: tuple[str, ...]
+    printed: Mapping[str, str]
+    today: Callable[[str, Facts], Interval | None]
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of the source, to be set anew with today's figures beside its own, model by model.
+
+    Attributes:
+        name: what the source calls it, such as "table 3"; caption: what it shows, and in which unit.
+        head: words above the columns of words.
+        spell: a figure of today as it is to be shown.
+        lines: its rows, for the contestants of the source and, behind them, those of ours that took part, by name.
+        notes: what is to be known of its figures, a sentence each.
+    """
+
+    name: str
+    caption: str
+    head: tuple[str, ...]
+    spell: Callable[[float], str]
+    lines: Callable[[Sequence[str]], list[Line]]
+    notes: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
 class Source:
     """A publication whose experiment a family repeats.
 
@@ -105,8 +149,10 @@ class Source:
         counts: how much of each task it did, as options of our scenarios; a task that has none is not there.
         models: how large they were.
         times: of its tables; spoken: of its text alone.
-        decimals: of the seconds in its tables.
-        memory: kB by model and contestant; held: what these are.
+        memory: kB by model and contestant: the most that a run held.
+        structures: bytes of the structures, by model and contestant.
+        tick_s: of the timer that took its times; 0 where it is nothing beside them.
+        tables: those that are set anew, as it printed them; where it has none, its times and memory are.
         notes: what is to be known of its figures, a sentence each.
     """
 
@@ -124,8 +170,9 @@ class Source:
     memory: Mapping[str, Mapping[str, int]]
     findings: Sequence[Finding]
     spoken: Times = field(default_factory=dict)
-    decimals: int = 2
-    held: str = "the most that the whole program held, kB"
+    structures: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    tick_s: float = 0.0
+    tables: Sequence[Table] = ()
     notes: Sequence[str] = ()
 
     @property

@@ -7,7 +7,7 @@ for intervals, a figure may be off by statistics.CLEAR either way.
 
 import math
 import re
-from collections.abc import Container, Iterable, Sequence
+from collections.abc import Callable, Container, Iterable, Sequence
 from itertools import chain, count
 from typing import Any, Literal
 
@@ -25,6 +25,8 @@ from tetrabench.report.units import digits
 from tetrabench.sources import Finding, Reading, Source
 
 Verdict = Literal["holds", "holds no longer", "cannot tell", "not measured"]
+FEW_TICKS = 4
+"""A time of so few ticks of a timer says little."""
 SHOWN = 3
 """So many figures stand in a sentence of evidence at most."""
 
@@ -34,6 +36,7 @@ class Entry(msgspec.Struct, frozen=True, kw_only=True):
 
     Attributes:
         then_s: seconds as the source printed them; then_ratio: as a multiple of its reference's.
+        is_coarse: whether one of both was FEW_TICKS of the source's timer at most.
         seconds: today's median, for one run of the scenario with today's counts.
         ratio: today's, with the ends of its interval, or of its range over the launches; None where none may be shown.
         is_whole: whether these are the ends of an interval.
@@ -45,6 +48,7 @@ class Entry(msgspec.Struct, frozen=True, kw_only=True):
     contestant: str
     then_s: float | None = None
     then_ratio: float | None = None
+    is_coarse: bool = False
     seconds: float | None = None
     ratio: float | None = None
     low: float | None = None
@@ -141,6 +145,25 @@ class Judged(msgspec.Struct, frozen=True, kw_only=True):
     outcomes: list[Outcome]
 
 
+class TableRow(msgspec.Struct, frozen=True, kw_only=True):
+    """A row of a table of the source: words, then by model what the source printed and what it is today."""
+
+    words: list[str]
+    then: dict[str, str]
+    today: dict[str, str]
+
+
+class SetAnew(msgspec.Struct, frozen=True, kw_only=True):
+    """A table of the source (see sources.Table) with today's figures beside its own; `models` are its columns."""
+
+    name: str
+    caption: str
+    head: list[str]
+    models: list[str]
+    rows: list[TableRow]
+    notes: list[str]
+
+
 class Comparison(msgspec.Struct, frozen=True, kw_only=True):
     """A source beside today's runs. All of it is plain data: msgspec.json.encode takes it.
 
@@ -150,7 +173,7 @@ class Comparison(msgspec.Struct, frozen=True, kw_only=True):
         tasks, contestants: those of the source's tables, in their order; contestants with their titles.
         titles: of all contestants of the family, see record.Results.
         notes: what is to be known of the source's figures.
-        held: what its figures of memory are; decimals: of its seconds.
+        tables: those that the source wants set anew.
     """
 
     title: str
@@ -165,8 +188,7 @@ class Comparison(msgspec.Struct, frozen=True, kw_only=True):
     subjects: list[Subject]
     findings: list[Judged]
     notes: list[str]
-    held: str
-    decimals: int
+    tables: list[SetAnew] = []
 
 
 def compare_with_source(runs: Sequence[Results], source: Source) -> Comparison:
@@ -196,8 +218,7 @@ def compare_with_source(runs: Sequence[Results], source: Source) -> Comparison:
         subjects=[_subject(name, one, source) for name, one in measured.items()],
         findings=[_judge(finding, measured, source) for finding in source.findings],
         notes=list(source.notes),
-        held=source.held,
-        decimals=source.decimals,
+        tables=_tables(runs, measured.values(), source),
     )
 
 
@@ -288,7 +309,9 @@ def _entry(measured: Measured, task: str, contestant: str, model: str) -> Entry:
     then = source.times[model].get(task, {})
     then_s, base_s = then.get(contestant), then.get(source.reference)
     facts: dict[str, Any] = {"task": task, "contestant": contestant, "then_s": then_s}
-    facts["then_ratio"] = then_s / base_s if then_s is not None and base_s else None
+    if then_s is not None and base_s:
+        is_coarse = round(min(then_s, base_s) / source.tick_s) <= FEW_TICKS if source.tick_s else False
+        facts |= {"then_ratio": then_s / base_s, "is_coarse": is_coarse}
     row = measured.row(task, contestant)
     if row is None:
         return Entry(**facts)
@@ -324,6 +347,46 @@ def _kinds(memory: Memory | None) -> dict[str, int]:
         return {}
     sizes = {"structure": memory.structure_bytes, "retained": memory.retained_bytes, "peak": memory.peak_bytes}
     return {kind: size for kind, size in sizes.items() if size}
+
+
+def _tables(runs: Sequence[Results], measured: Iterable[Measured], source: Source) -> list[SetAnew]:
+    """The source's tables, a pair of columns for each of its models: of several that were measured the first.
+
+    Contestants that the source has not stand behind its own, with an asterisk.
+    """
+    facts: dict[str, Measured] = {}
+    for one in measured:
+        facts.setdefault(model_of(one.part.model.name, source) or "", one)
+    ours = {one.contestant: f"{one.contestant}*" for run in runs for one in run.backends if one.extension}
+    return [
+        SetAnew(
+            name=table.name,
+            caption=table.caption,
+            head=list(table.head),
+            models=list(source.models),
+            rows=[
+                TableRow(
+                    words=[ours.get(word, word) for word in line.words],
+                    then=dict(line.printed),
+                    today={model: _spelled(line.today(model, one), table.spell) for model, one in facts.items()},
+                )
+                for line in table.lines([*source.contestants, *ours])
+            ],
+            notes=list(table.notes),
+        )
+        for table in source.tables
+    ]
+
+
+def _spelled(figure: Interval | None, spell: Callable[[float], str]) -> str:
+    """A figure in a cell: 12, 12? where launches are too few for an interval, <12 where it is too short to be known."""
+    if figure is None:
+        return MISSING
+    if figure[1:3] == NOWHERE:
+        return "unclear"
+    if figure.low == 0.0 or figure.high == math.inf:
+        return f"<{spell(figure.high)}" if figure.low == 0.0 else f">{spell(figure.low)}"
+    return spell(figure.ratio) + ("" if figure.is_whole else "?")
 
 
 # -- findings

@@ -236,6 +236,22 @@ class Measured(Known):
             return None
         return _exact((known[0] - known[1] - (known[2] - known[3])) / items)
 
+    def item(self, task: str, contestant: str) -> Interval | None:
+        """See sources.Facts."""
+        figure = self.interval(map(math.log, self._per_item(task, contestant).values()))
+        return self._open(figure, [(task, contestant)], [])
+
+    def structure(self, contestant: str) -> Interval | None:
+        """See sources.Facts."""
+        memory = self._memory(contestant)
+        is_known = memory is not None and memory.status == "ok" and memory.structure_bytes
+        return _exact(memory.structure_bytes) if memory and is_known else None
+
+    def size(self, things: str) -> Interval | None:
+        """See sources.Facts."""
+        number = self.part.model.size.get(things)
+        return None if number is None else _exact(number)
+
     def _good(self, task: str, contestant: str) -> list[Sample]:
         """The samples of a cell that ended well."""
         row = self.row(task, contestant)
@@ -310,6 +326,19 @@ class Published(Known):
 
     def grown(self, task: str, since: str, one: str, other: str) -> Interval | None:
         """It measured nothing of the kind."""
+        return None
+
+    def item(self, task: str, contestant: str) -> Interval | None:
+        """It did not count them."""
+        return None
+
+    def structure(self, contestant: str) -> Interval | None:
+        """See sources.Facts."""
+        size = self.source.structures.get(self.model, {}).get(contestant)
+        return None if size is None else _exact(size)
+
+    def size(self, things: str) -> Interval | None:
+        """It is told in words, see sources.Source.models."""
         return None
 
     def _tasks_of(self, *contestants: str) -> list[str]:

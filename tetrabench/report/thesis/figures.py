@@ -34,6 +34,7 @@ CUT = 12.0
 """A bar beyond this is cut."""
 SIZE = (11.0, 7.6)  # inches
 LETTERS = 9.0  # of a figure on end, what it takes of the height of a panel is 1 / LETTERS
+LEGEND, HANDLE = 170, 6  # letters that fit side by side into the legend, and those that a handle takes
 NO_FIGURE = "no figure"
 
 
@@ -145,10 +146,13 @@ class Bar(msgspec.Struct, frozen=True):
 
 
 def _then(comparison: Comparison, subject: Subject, task: str, contestant: str) -> Bar:
-    ratio = subject.entry(task, contestant).then_ratio
+    entry = subject.entry(task, contestant)
+    ratio = entry.then_ratio
     if ratio is None:
         return Bar(None, NO_FIGURE)
-    return Bar(ratio, "1" if contestant == comparison.reference else two_digits(ratio))
+    if contestant == comparison.reference:
+        return Bar(ratio, "1")
+    return Bar(ratio, two_digits(ratio) + "?" * entry.is_coarse, is_sure=not entry.is_coarse)
 
 
 def _today(entry: Entry) -> Bar:
@@ -178,7 +182,7 @@ def _draw_panel(
             else:
                 _draw_bar(axes, x, bar, bar.ratio, style, width, top)
     axes.axhline(1.0, color=EDGE, linewidth=0.8, zorder=3)
-    axes.set_xticks(range(len(tasks)), tasks)
+    axes.set_xticks(range(len(tasks)), [textwrap.fill(task, 18) for task in tasks])
     axes.set_xlim(-0.5, len(tasks) - 0.5)
     axes.set_ylim(0.0, head)
     axes.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
@@ -226,10 +230,13 @@ def _break(axes: Axes, x: float, y: float, width: float, top: float) -> None:
 
 
 def _add_legend(figure: Figure, styles: Mapping[str, Style]) -> None:
-    """A column a layout."""
+    """A column a layout; one column in all where these are too wide."""
     layouts: dict[str, list[Style]] = {}
     for style in styles.values():
         layouts.setdefault(style.layout, []).append(style)
+    widest = max(len(f"{style.name}: {style.title}") for style in styles.values())
+    if len(layouts) * (widest + HANDLE) > LEGEND:
+        layouts = {"": list(styles.values())}
     longest = max(map(len, layouts.values()))
     entries = [
         (Patch(**style.paint), f"{style.name}: {style.title}") if style else (Patch(alpha=0.0), "")
@@ -247,6 +254,8 @@ def _caption(comparison: Comparison, subject: Subject) -> str:
         said.append("Whiskers: intervals that hold with 95 % for all of a scenario together.")
     if any(entry.verdict in ("about", "inconclusive") for entry in today):
         said.append("Pale, with a question mark: not ranked.")
+    if any(entry.is_coarse for entry in subject.entries):
+        said.append(f"{comparison.year}, with a question mark: a few ticks of its timer.")
     if any(entry.sign.startswith((">", "<")) for entry in today):
         said.append(">: at least so many times, in every launch.")
     if any(entry.verdict == "too short" for entry in subject.entries):

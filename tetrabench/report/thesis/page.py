@@ -6,7 +6,6 @@ Both are set from the same blocks; whatever a name in the results says, it stays
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from html import escape
 from pathlib import Path
 from urllib.parse import quote
@@ -17,9 +16,17 @@ from tetrabench import registry
 from tetrabench.bench.record import Results, write_whole
 from tetrabench.bench.statistics import ALIKE, CLEAR, SHORTEST_S
 from tetrabench.errors import InputError
-from tetrabench.report.thesis.comparison import Comparison, Entry, Held, Judged, Subject, compare_with_source
+from tetrabench.report.thesis.comparison import (
+    Comparison,
+    Entry,
+    Held,
+    Judged,
+    SetAnew,
+    Subject,
+    compare_with_source,
+)
 from tetrabench.report.thesis.figures import as_svg, draw_figures, name_of, save_figures
-from tetrabench.report.units import digits, duration, percent, times
+from tetrabench.report.units import digits, duration, percent, times, two_digits
 
 CLASSES = {"holds": "holds", "holds no longer": "gone", "cannot tell": "unclear", "not measured": "unmeasured"}
 """How a page marks an outcome; its words say the same."""
@@ -159,12 +166,22 @@ def _blocks(comparison: Comparison) -> Iterator[Block]:
     )
     yield _overview(comparison)
     yield from (_evidence(comparison, judged) for judged in comparison.findings)
+    if comparison.tables:
+        yield Heading("The source's tables, and the same of today")
+        yield Text(
+            "12?: launches are too few for an interval. <12: too short to be known. unclear: two copies of one contestant "
+            "differed. missing: not measured, too short or not to be believed. *: ours, the source has no such contestant."
+        )
+    for table in comparison.tables:
+        yield from _set_anew(comparison, table)
     for subject in comparison.subjects:
         yield Heading(f"{subject.figure.capitalize()}: {subject.name}")
         yield from _about(comparison, subject)
+    if not any(held.then_kb for subject in comparison.subjects for held in subject.memory):
+        return
     yield Heading("Memory")
     yield Text(
-        f"{year}: {comparison.held}. Today: used bytes of all buffers of the fresh structure; "
+        f"{year}: the most that the whole program held, kB. Today: used bytes of all buffers of the fresh structure; "
         "retained and peak private memory of its process. In brackets: multiples of "
         f"{comparison.reference}'s."
     )
@@ -223,30 +240,59 @@ def _about(comparison: Comparison, subject: Subject) -> Iterator[Block]:
         ],
         names=2,
     )
-    yield Table(
-        f"{subject.name}: seconds, {year} as printed, today's with today's counts",
-        ["scenario", "when", *comparison.contestants],
-        [
-            [Text(task), Text(when), *(Text(say(subject.entry(task, one))) for one in comparison.contestants)]
-            for task in comparison.tasks
-            for when, say in ((f"{year}, s", partial(_then_seconds, decimals=comparison.decimals)), ("today", _seconds))
-        ],
-        names=2,
-    )
+    if not comparison.tables:
+        yield _seconds_of(comparison, subject)
     yield Items(
         [
             Text(
-                ">43x: slower, at least so many times, in every launch. 1.3?: a hint, launches are too few to rank it. ~1: "
+                ">43x: slower, at least so many times, in every launch. 1.3?: a hint, launches are too few to rank it, or the "
+                "source's timer ticked too few times. ~1: "
                 f"within {percent(ALIKE - 1)}. too short: under {1e3 * SHORTEST_S:g} ms, says nothing."
             )
         ]
     )
 
 
+def _set_anew(comparison: Comparison, table: SetAnew) -> Iterator[Block]:
+    """A table of the source: two columns for each model."""
+    whens = [(model, when) for model in table.models for when in (str(comparison.year), "today")]
+    yield Table(
+        f"{table.name.capitalize()}: {table.caption}",
+        [*table.head, *(f"{model}, {when}" for model, when in whens)],
+        [
+            [
+                *map(Text, row.words),
+                *(Text((row.today if when == "today" else row.then).get(model, "")) for model, when in whens),
+            ]
+            for row in table.rows
+        ],
+        names=len(table.head),
+    )
+    if table.notes:
+        yield Items([Text(note) for note in table.notes])
+
+
+def _seconds_of(comparison: Comparison, subject: Subject) -> Table:
+    """Times as they were printed, and as they were taken."""
+    year = comparison.year
+    return Table(
+        f"{subject.name}: seconds, {year} as printed, today's with today's counts",
+        ["scenario", "when", *comparison.contestants],
+        [
+            [Text(task), Text(when), *(Text(say(subject.entry(task, one))) for one in comparison.contestants)]
+            for task in comparison.tasks
+            for when, say in ((f"{year}, s", _then_seconds), ("today", _seconds))
+        ],
+        names=2,
+    )
+
+
 def _then(entry: Entry, reference: str) -> str:
     if entry.then_ratio is None:
         return ""
-    return "1" if entry.contestant == reference else times(entry.then_ratio)
+    if entry.contestant == reference:
+        return "1"
+    return f"{two_digits(entry.then_ratio)}?" if entry.is_coarse else times(entry.then_ratio)
 
 
 def _today(entry: Entry, reference: str) -> str:
@@ -257,8 +303,8 @@ def _interval(entry: Entry, reference: str) -> str:
     return "" if entry.contestant == reference or not entry.is_whole else entry.interval
 
 
-def _then_seconds(entry: Entry, decimals: int) -> str:
-    return f"{entry.then_s:.{decimals}f}" if entry.then_s is not None else ""
+def _then_seconds(entry: Entry) -> str:
+    return f"{entry.then_s:.2f}" if entry.then_s is not None else ""
 
 
 def _seconds(entry: Entry) -> str:
