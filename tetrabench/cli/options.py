@@ -94,7 +94,7 @@ _NUMBERING: dict[str, Any] = {
     "default": "natural",
     "show_default": True,
 }
-_ORDERS = "Order of points and tetras: as they come, at random, along a Hilbert curve, or by reverse Cuthill-McKee"
+_ORDERS = "Order of points and of tetras or cells: as they come, at random, along a Hilbert curve, or by reverse Cuthill-McKee"
 numbering_option = click.option("--numbering", callback=check_numbering, help=f"{_ORDERS}.", **_NUMBERING)
 numberings_option = click.option(
     "--numbering", "numberings", callback=check_numberings, help=f"{_ORDERS}; several make a sweep.", **_NUMBERING

@@ -13,7 +13,7 @@ from tetrabench.bench.record import Results
 from tetrabench.report.parts import shown_name
 
 EDGE = "#333333"
-_HUES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")  # Okabe and Ito: for all eyes
+_HUES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")  # Okabe and Ito: for all eyes
 _SHADES = ((1.0, ""), (0.45, "////"), (0.7, "...."), (0.85, "xxx"), (0.3, "----"))  # share of the hue, hatch
 _LINES = ("-", "--", ":", "-.")
 _MARKERS = ("o", "s", "^", "D", "v")
@@ -45,9 +45,9 @@ def make_styles(results: Results) -> dict[str, Style]:
 
 
 def _look(hue: int, shade: int) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
-    """What draws a bar, a line, a dot."""
+    """What draws a bar, a line, a dot; where lines begin again, so that they tell no two layouts apart, markers move on."""
     share, hatch = _SHADES[shade % len(_SHADES)]
-    colour, marker = _HUES[hue % len(_HUES)], _MARKERS[shade % len(_MARKERS)]
+    colour, marker = _HUES[hue % len(_HUES)], _MARKERS[(shade + hue // len(_LINES)) % len(_MARKERS)]
     red, green, blue = (1 - share * (1 - part) for part in to_rgb(colour))
     paint = {"facecolor": (red, green, blue), "hatch": hatch, "edgecolor": EDGE, "linewidth": 0.6}
     mark = {"color": colour, "marker": marker}

@@ -5,6 +5,7 @@ from itertools import combinations
 import pytest
 
 from tests.report.made import SECONDS, make_backend, make_results
+from tetrabench import registry
 from tetrabench.report.page.looks import PATHS, looks_of, shapes_of
 from tetrabench.report.page.subjects import make_runs, make_subjects
 
@@ -23,6 +24,17 @@ def test_no_two_of_the_seven_share_dash_and_shape():
     for one, other in combinations(looks.values(), 2):
         assert (one["dash"], one["shape"]) != (other["dash"], other["shape"])
         assert (one["fill"], one["stroke"]) != (other["fill"], other["stroke"])
+
+
+@pytest.mark.parametrize("family", ["tetra", "polygon"])
+def test_no_two_of_a_family_look_alike(family):
+    backends = [make_backend(one.name, title=one.title) for one in registry.contestants(family)]
+    results = make_results({"alfa": {"v3y": 1.0}}, backends=backends, titles=[one.title for one in backends])
+    looks = looks_of(make_subjects(make_runs([("run", results)])))
+    assert len(looks) >= 7
+    for one, other in combinations(looks.values(), 2):
+        assert (one["fill"], one["stroke"]) != (other["fill"], other["stroke"])
+        assert (one["dash"], one["shape"]) != (other["dash"], other["shape"])
 
 
 def test_a_dash_is_a_layout_and_a_shape_what_it_is_combined_with():
