@@ -213,7 +213,7 @@ FINDINGS = (
         "8, tables 6 and 7",
         "the query takes at most 21 % of either block in edge-cell",
         share,
-        remark="Our cell block does more arithmetic; and a processor of today computes while it waits for lists.",
+        remark="The blocks are ours, not those of TIM-2D; and a processor of today computes while it waits for lists.",
         models=REGULAR,
     ),
     Finding(
@@ -361,11 +361,7 @@ def share_lines(block: str, contestants: Sequence[str]) -> list[Line]:
 
 def _share_line(block: str, contestant: str) -> Line:
     steps = {(row["model"], f"gas-{row['block']}"): row for row in _rows("step-ms")}
-    known = {
-        model: f"{100 * float(row['adjacency']) / float(row['step']):.2f}"
-        for (model, of), row in steps.items()
-        if of == block and contestant == STEP_FORMAT
-    }
+    known = {model: row["percent"] for (model, of), row in steps.items() if of == block and contestant == STEP_FORMAT}
     return Line(
         (contestant,),
         known,

@@ -148,6 +148,15 @@ def test_the_legend_of_long_titles_is_inside_the_figure(quad):
     assert legend.get_window_extent().width < figure.bbox.width
 
 
+def test_a_finding_about_no_model_of_these_has_no_evidence(quad):
+    comparison = compare_with_source([quad], SOURCE)
+    (scrambled,) = [judged for judged in comparison.findings if judged.name == "scrambled"]
+    assert as_html(comparison).count(scrambled.claim) == 1  # in the overview, with a dash
+    assert "<ul>\n</ul>" not in as_html(comparison)
+    both = compare_with_source([run_of("hexagon"), run_of("voronoi")], SOURCE)
+    assert as_html(both).count(scrambled.claim) == 2
+
+
 def test_pages_have_the_tables_and_stay_plain_data(quad):
     comparison = compare_with_source([quad], SOURCE)
     assert msgspec.json.decode(msgspec.json.encode(comparison), type=Comparison) == comparison

@@ -165,7 +165,7 @@ def _blocks(comparison: Comparison) -> Iterator[Block]:
         f"intervals. Where launches are too few for intervals, a figure may be off by {CLEAR:g}x either way."
     )
     yield _overview(comparison)
-    yield from (_evidence(comparison, judged) for judged in comparison.findings)
+    yield from (_evidence(comparison, judged) for judged in comparison.findings if judged.outcomes)
     if comparison.tables:
         yield Heading("The source's tables, and the same of today")
         yield Text(
