@@ -58,7 +58,7 @@ def test_advice_about_a_missing_file_can_be_taken(find, asked, advised):
 
 def test_a_mesh_of_polygons_is_sent_to_its_family(tmp_path):
     (tmp_path / "part.off").write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
-    with pytest.raises(InputError, match="holds no tetras; it holds triangle 1; .* goes with --family polygon"):
+    with pytest.raises(InputError, match=r"holds no tetras; it holds triangle 1; .* goes with --family polygon"):
         FAMILY.describe_model(tmp_path / "part.off")
 
 
