@@ -1,4 +1,4 @@
-"""Sod's tube on four models beside the exact solution: `python -m tests.scenarios.polygon.sod docs/pictures/polygon-sod.png`."""
+"""Sod's tube on four models beside the exact one: `python -m tests.scenarios.polygon.sod docs/pictures/polygon-sod.png`."""
 
 import sys
 from pathlib import Path
