@@ -50,7 +50,7 @@ def make_faces(mesh: PolyhedronMesh) -> Faces:
         mesh.cells.astype(np.int32),
         describe_lists(np.diff(mesh.starts)),
         mesh.nodes.astype(np.int32),
-        describe_lists(np.bincount(cells[order])),
+        describe_lists(np.bincount(cells[order]).astype(np.int32)),
         (order // 2).astype(np.int32),
         node_face,
     )
