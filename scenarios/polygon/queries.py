@@ -87,10 +87,10 @@ class AtRandom(InOrder):
         self.title = f"{query.title}: of some at random"
 
     def prepare(self, stage: Any, options: Options) -> Asked:
-        """The net, and so many of its cells or nodes; a small mesh is asked no more often than it has elements."""
+        """The net, and so many of its cells or nodes, each as often as it is drawn."""
         net = stage.net()
         elements = self.query.elements(net.storage)
-        drawn = np.random.default_rng(SEED).choice(elements, min(options["queries"], len(elements)))
+        drawn = np.random.default_rng(SEED).choice(elements, options["queries"])
         return Asked(self.query, net, drawn, 1)
 
     def run(self, asked: Asked) -> int:

@@ -93,7 +93,7 @@ def test_in_order(contestant, query):
 @pytest.mark.parametrize("query", QUERIES)
 @pytest.mark.parametrize("contestant", NAMES)
 def test_at_random(contestant, query):
-    """The same elements for all, so many, each as often as it is drawn; never more than there are."""
+    """The same elements for all, so many, each as often as it is drawn; more than there are if so many are asked for."""
     mesh = generate_polygons("quad", 30, numbering="shuffled", seed=2)
     lists = Twin(mesh).lists(query)
     stage = Stage(mesh, contestant)
@@ -103,8 +103,8 @@ def test_at_random(contestant, query):
     assert answer.figures["lists"] == work.items == 20
     assert work.unit == "lists"
     assert len(set(drawn.tolist())) < 20  # some come twice
-    most, most_work = sample(f"random-{query}", stage, queries=10**6)
-    assert most_work.items == most.figures["lists"] == len(lists)
+    most, most_work = sample(f"random-{query}", stage, queries=100)
+    assert most_work.items == most.figures["lists"] == 100 > len(lists)
     assert most.digest != answer.digest
 
 
@@ -112,7 +112,7 @@ def test_at_random(contestant, query):
 def test_the_sum_that_was_timed_is_part_of_the_answer(name):
     """A loop that leaves something out has another digest, though the lists that are collected afterwards are right."""
     scenario, stage = SCENARIOS[name], Stage(polygons(quads(3, 3)), "by-edge")
-    asked = scenario.prepare(stage, scenario.options)
+    asked = scenario.prepare(stage, {option: min(count, 20) for option, count in scenario.options.items()})
     total = scenario.run(asked)
     assert scenario.answer(asked, total).digest != scenario.answer(asked, total - 1).digest
     assert scenario.run(asked) == total  # and nothing is changed by asking

@@ -84,7 +84,8 @@ def test_a_cell_that_is_folded_over_is_told_and_stays_joined() -> None:
     points = [[0, 0], [9, 0], [9, 9], [0, 9], [5, 3]]
     mesh = settled(points, [[0, 1, 2, 3], [0, 1, 4]])  # the second one lies on the first
     assert mesh.report.warnings == [
-        "mesh: 1 cell without a positive area, though turned as the neighbours are; the first is cell 1"
+        "mesh: 1 cell without a positive area, though turned as the neighbours are; the first is cell 1: "
+        "the mesh is folded there, or a cell lies over others or is there twice"
     ]
 
 
@@ -126,7 +127,7 @@ def test_a_fault_is_refused_by_its_numbers_or_mended(fault: str) -> None:
     used = len({node for cell in cells for node in cell})
     with pytest.raises(RepairableError) as told:
         settled(SPHERE[:used], cells, report=report)
-    assert str(told.value).startswith(f"a.obj: {sentence} (counted from 0); --repair drop ")
+    assert str(told.value).startswith(f"a.obj: {sentence} (counted from 0); tetrabench convert --repair drop ")
     mesh = settled(SPHERE[:used], cells, report=report, repair="drop")
     assert cells_of(mesh) == sound
     assert mesh.report.warnings[:2] == [

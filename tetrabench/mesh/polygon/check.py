@@ -75,7 +75,9 @@ class Faults:
             sentence += "; likewise " + " and ".join(filter(None, [", ".join(named[:-1]), named[-1]]))
         sentence += " (counted from 0)"
         if self.repair == "refuse":
-            raise RepairableError(f"{sentence}; --repair drop {mends.format('them' if named else 'it')}")
+            raise RepairableError(
+                f"{sentence}; tetrabench convert --repair drop {mends.format('them' if named else 'it')}"
+            )
         self.sentences.append(f"{sentence}; {mended}")
 
 
@@ -126,7 +128,8 @@ def settle(
     folded = np.flatnonzero(~(areas > 0))
     if len(folded):
         words = f"{len(folded):,} cell{'s' * (len(folded) > 1)} without a positive area, though turned as the neighbours are"
-        faults.sentences.append(f"{faults.name}: {words}; the first is cell {cells.numbers[folded[0]]}")
+        means = "the mesh is folded there, or a cell lies over others or is there twice"
+        faults.sentences.append(f"{faults.name}: {words}; the first is cell {cells.numbers[folded[0]]}: {means}")
     report.warnings = [*report.warnings, *faults.sentences]
     given = np.where(cells.conditions < 0, cells.conditions, CONDITION)
     return PolygonMesh(
