@@ -97,6 +97,11 @@ def test_a_file_of_no_known_format_is_refused_before_the_work(tmp_path: Path):
 # ---------------------------------------------------------------------- refusals
 
 
+def test_a_model_of_another_family_says_of_which():
+    assert "quad is a model of another family: add --family polygon" in refusal("run", "--model", "quad", "--dry-run")
+    assert "add --family tetra" in refusal("run", "--family", "polygon", "--model", "nozzle", "--dry-run")
+
+
 def test_missing_model_says_how_to_get_one(tmp_path: Path):
     assert "tetrabench generate nozzle" in refusal("run", "--model", tmp_path / "nozzle.nas")
     assert "no such file" in refusal("run", "--model", tmp_path / "other.nas")

@@ -5,6 +5,7 @@ To import a family is to import the compiler, and to generate a model is to hold
 """
 
 from collections.abc import Callable
+from pathlib import Path
 from types import TracebackType
 from typing import Protocol
 
@@ -66,6 +67,10 @@ class Registry:
             InputError: there is no such file and no such model, or it cannot be used.
         """
         kind = registry.family(find.family)
+        if find.model not in kind.models and not Path(find.model).exists():
+            for other in registry.families():
+                if find.model in other.models:
+                    raise InputError(f"{find.model} is a model of another family: add --family {other.name}")
         path = kind.find_model(find.model, size=find.size, numbering=find.numbering, seed=find.seed).absolute()
         facts = kind.describe_model(path)
         return Found(str(path), {name: int(number) for name, number in facts.size.items()}, list(facts.notes))
