@@ -16,6 +16,7 @@ from tetrabench.errors import InputError
 from tetrabench.mesh import TetraMesh
 from tetrabench.mesh.check import check_mesh
 from tetrabench.mesh.models import MODELS, generate
+from tetrabench.mesh.polygon.models import MODELS as POLYGON_MODELS
 from tetrabench.mesh.quality import signed_volumes, smallest_dihedral_angle
 
 
@@ -233,7 +234,9 @@ def test_ids_follow_the_rows_in_any_numbering() -> None:
 
 
 def test_help_names_the_models() -> None:
-    assert f"[OPTIONS] {'|'.join(MODELS)}\n" in CliRunner().invoke(main, ["generate", "--help"]).stdout
+    assert (
+        f"[OPTIONS] {'|'.join([*MODELS, *POLYGON_MODELS])}\n" in CliRunner().invoke(main, ["generate", "--help"]).stdout
+    )
 
 
 def test_dihedral_angle_of_the_corner_of_a_cube() -> None:
