@@ -53,8 +53,8 @@ bench-peers: $(VENV)/peers  ## our bulk operations beside packages from PyPI (a 
 	$(BIN)/python tests/peers/bench_peers.py -o $(OUT)/peers.json
 
 bench-polygon-peers: $(VENV)/peers  ## our formats of polygon meshes beside C, CGAL, OpenMesh and xugrid (a quarter of an hour; needs gcc, g++, libcgal-dev, libopenmesh-dev)
-	$(BIN)/python -m tests.polygon_peers --turns xugrid=7 -o results/polygon-peers.json
-	$(BIN)/python results/regenerate.py --table
+	@mkdir -p $(OUT)
+	$(BIN)/python -m tests.polygon_peers --turns xugrid=7 -o $(OUT)/polygon-peers.json
 
 bench-cgal: $(VENV)/developing  ## our half-face kernel beside CGAL and plain C++ (ten minutes; needs g++, libcgal-dev)
 	@mkdir -p $(OUT)

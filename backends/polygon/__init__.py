@@ -22,7 +22,7 @@ from tetrabench.backends.polygon.half_edge import make_half_edge
 from tetrabench.backends.polygon.tables import make_tables
 from tetrabench.polygon.contestant import PolygonContestant
 
-_SAROV = "Storage formats for unstructured meshes of polygons, Sarov, about 2008"
+_SAROV = "A. A. Voropinov, Some data formats for two-dimensional unstructured meshes of any kind, Sarov, about 2008"
 
 FORMATS = {
     contestant.name: contestant

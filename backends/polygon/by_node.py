@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from tetrabench.backends.polygon.lists import copy_items, describe_lists, put_stars
 from tetrabench.jit import implements, kernel
 from tetrabench.mesh.polygon.connect import NOBODY, count_around
+from tetrabench.mesh.polygon.numbering import next_nodes
 from tetrabench.polygon import interface
 
 
@@ -50,10 +51,8 @@ def make_by_node(links):
 def find_corners(links):
     """The nodes whose two boundary edges have different conditions, and that of their right edges, seen from outside."""
     sides = np.flatnonzero(links.twin == NOBODY)
-    cells = links.cell[sides]
-    following = np.where(sides + 1 < links.starts[cells + 1], sides + 1, links.starts[cells])
     right, left = np.zeros_like(links.first), np.zeros_like(links.first)
-    right[links.nodes[sides]] = left[links.nodes[following]] = links.conditions[sides]
+    right[links.nodes[sides]] = left[next_nodes(links.starts, links.nodes)[sides]] = links.conditions[sides]
     corners = np.flatnonzero(right != left)
     return corners, right[corners]
 

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from tetrabench.errors import InputError
 from tetrabench.mesh.polygon import PolygonMesh
 from tetrabench.mesh.polygon.connect import NOBODY, connect
+from tetrabench.mesh.polygon.numbering import next_nodes
 
 Integers = NDArray[np.int32]
 
@@ -50,8 +51,7 @@ def check_polyhedra(mesh: PolyhedronMesh) -> None:
     if mesh.cells[:, 1].min() < 0 or len(np.unique(mesh.cells[mesh.cells >= 0])) != mesh.number_of_cells:
         raise InputError("a face has no second cell, or a cell no faces")
     face = np.repeat(np.arange(faces), np.diff(mesh.starts))
-    following = np.roll(mesh.nodes, -1)
-    following[mesh.starts[1:] - 1] = mesh.nodes[mesh.starts[:-1]]
+    following = next_nodes(mesh.starts, mesh.nodes)
     along = np.column_stack([mesh.cells[face, 0], mesh.nodes, following])
     against = np.column_stack([mesh.cells[face, 1], following, mesh.nodes])
     sides = np.concatenate([along[along[:, 0] >= 0], against])
@@ -81,10 +81,7 @@ def extrude(mesh: PolygonMesh, heights: ArrayLike, below: int = -1, above: int =
     cells, layers, points = mesh.number_of_cells, len(levels) - 1, len(mesh.points)
     lying = _lying_faces(mesh, layers, below, above)
     corners = np.flatnonzero((links.twin == NOBODY) | (links.twin > np.arange(len(links.twin))))
-    after = np.where(
-        corners + 1 < links.starts[links.cell[corners] + 1], corners + 1, links.starts[links.cell[corners]]
-    )
-    a, b = links.nodes[corners], links.nodes[after]
+    a, b = links.nodes[corners], next_nodes(links.starts, links.nodes)[corners]
     within = links.twin[corners] != NOBODY
     beyond = np.where(within, links.cell[links.twin[corners]], links.conditions[corners])
     quads = np.column_stack([a, b, b + points, a + points])

@@ -18,7 +18,7 @@ from tetrabench.polygon.interface import Storage
 from tetrabench.polygon.queries import QUERIES
 from tetrabench.protocols import Answer
 
-PEAK = 50.0  # bytes a corner while a format is built, the connections included
+PEAK = 50.0  # bytes a corner while a format is built, the connections included: measured 36 (half-edges of triangles)
 
 Rows = NDArray[np.int32]
 
