@@ -1,11 +1,26 @@
 """What the harness asks of a family, a contestant, a scenario: all that `bench`, `report` and the verbs know of them."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
 Options = Mapping[str, int]
+
+
+@dataclass(frozen=True)
+class Option:
+    """What can be chosen about a contestant, a whole number; 0 and 1 where it is no or yes.
+
+    Attributes:
+        value: chosen; least, most: what may be.
+        title: what it decides, in a line.
+    """
+
+    value: int
+    least: int
+    most: int
+    title: str
 
 
 @dataclass(frozen=True)
@@ -15,10 +30,13 @@ class Answer:
     Attributes:
         digest: 16 hexadecimal digits; equal for all contestants, bit for bit, or one of them is wrong.
         figures: counts and sums for people, to see at a glance what a difference is about.
+        series: what was counted or timed on the way, a number for each stretch of the run, by name, all of one length:
+            for charts, no part of the answer.
     """
 
     digest: str
     figures: Mapping[str, int | float]
+    series: Mapping[str, Sequence[float]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -64,7 +82,11 @@ class Workload:
 
 
 class Contestant(Protocol):
-    """A way to store something. `name` is what people type; `extension` marks those that are not from the source."""
+    """A way to store something, a dataclass.
+
+    `name` is what people type; `extension` marks those that are not from the source. `options` may be chosen, by name.
+    `is_exact` is False of one that is known to give wrong answers, and takes part to show how that is noticed.
+    """
 
     @property
     def name(self) -> str: ...
@@ -76,6 +98,10 @@ class Contestant(Protocol):
     def family(self) -> str: ...
     @property
     def extension(self) -> bool: ...
+    @property
+    def options(self) -> Mapping[str, Option]: ...
+    @property
+    def is_exact(self) -> bool: ...
 
 
 class Stage(Protocol):

@@ -56,6 +56,8 @@ class Backend(msgspec.Struct, frozen=True, kw_only=True):
         control: a second copy of the reference, which shows what differs when nothing does.
         checkout: the version of tetrabench that it ran in, where that is not the running one.
         extension: not from the source.
+        options: what was chosen about the contestant, by name.
+        exact: False of a contestant that is known to be wrong: it has no vote on what is right.
         compile_s: wall time to compile and load its kernels in the first launch, seconds.
         structure: bytes (used, reserved) of each buffer of the fresh structure on the first model, by name.
     """
@@ -67,6 +69,8 @@ class Backend(msgspec.Struct, frozen=True, kw_only=True):
     control: bool = False
     checkout: str = ""
     extension: bool = False
+    options: dict[str, int] = {}
+    exact: bool = True
     compile_s: float = 0.0
     structure: dict[str, tuple[int, int]] = {}
 
@@ -152,6 +156,7 @@ class Sample(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
         prepare_s, answer_s: wall time of what is not timed, seconds.
         items, unit, least_bytes: the work done (see protocols.Work).
         digest, figures: the answer (see protocols.Answer); a figure that is infinite or not a number is None.
+        series: what was counted or timed on the way, a number for each stretch of the run, by name (see protocols.Answer).
         structure_bytes: used bytes of the contestant's structure when the sample was over; reserved_bytes: with slack.
         peak_bytes: high-water mark of the process's memory in the sample, None where no one can tell.
         reason: why there is no figure, or what went wrong.
@@ -176,6 +181,7 @@ class Sample(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     least_bytes: int | None = None
     digest: str = ""
     figures: dict[str, float | None] = {}
+    series: dict[str, list[float]] = {}
     structure_bytes: int | None = None
     reserved_bytes: int | None = None
     peak_bytes: int | None = None

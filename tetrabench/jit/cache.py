@@ -40,7 +40,7 @@ from tetrabench.folders import cache_root
 
 _HARNESS = "tetrabench"
 _MACHINERY = f"{_HARNESS}.jit"
-_LIBRARY = tuple(f"{_HARNESS}.{layer}" for layer in ("mesh", "io", "tetra", "polygon"))  # what foreign kernels may call
+_LIBRARY = tuple(f"{_HARNESS}.{layer}" for layer in ("mesh", "io", "tetra", "polygon", "collision"))  # what foreign kernels may call
 _KERNELS: list[Any] = []  # every dispatcher that `kernel` made, for tests and for counting
 
 

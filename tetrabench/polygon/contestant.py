@@ -1,10 +1,11 @@
 """What the polygon family knows of a contestant."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 
 from tetrabench.mesh.polygon.connect import Connections
 from tetrabench.polygon.interface import Storage
+from tetrabench.protocols import Option
 
 
 @dataclass(frozen=True)
@@ -21,6 +22,7 @@ class PolygonContestant:
         source: where it was described first.
         extension: whether it is ours rather than the source's; tables mark it.
         family: the family that it belongs to.
+        options, is_exact: see protocols.Contestant.
     """
 
     name: str
@@ -32,3 +34,5 @@ class PolygonContestant:
     source: str = ""
     extension: bool = False
     family: str = "polygon"
+    options: Mapping[str, Option] = field(default_factory=dict)
+    is_exact: bool = True

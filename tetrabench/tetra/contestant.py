@@ -1,9 +1,10 @@
 """What the tetra family knows of a contestant."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 
 from tetrabench.mesh import TetraMesh
+from tetrabench.protocols import Option
 from tetrabench.tetra.interface import Net
 
 
@@ -22,6 +23,7 @@ class TetraContestant:
         stable_refs: whether the refs of surviving tetras stay the same through every edit; else `collect` and what calls it
             (see `TetraNet`) may change them all, and with them the order of iteration.
         family: the family that it belongs to.
+        options, is_exact: see protocols.Contestant.
     """
 
     name: str
@@ -34,3 +36,5 @@ class TetraContestant:
     extension: bool = False
     stable_refs: bool = True
     family: str = "tetra"
+    options: Mapping[str, Option] = field(default_factory=dict)
+    is_exact: bool = True
