@@ -158,7 +158,7 @@ def test_options_reach_the_plan(no_measuring):
         (["--timeout", "0"], "'0' is no time such as"),
         (["--option", "sweeps"], "write NAME=1,2,3"),
         (["--option", "alfa.sweeps=0"], "counts are 1 at least"),
-        (["--option", "alfa.sleeps=3"], "no scenario has the option alfa.sleeps"),
+        (["--option", "alfa.sleeps=3"], "no option 'alfa.sleeps'; did you mean 'alfa.sweeps'? there are: "),
         (["--launches", "0"], "launches: 0; at least one"),
         (["--thesis", "--rounds", "2"], "the thesis profile has one"),
     ],

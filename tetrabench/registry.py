@@ -6,13 +6,14 @@ An entry point is named after its family, and names an explicit table: one `Fami
 one `Source`, in `tetrabench.sources`. Only the tables of the family that is asked for are imported.
 """
 
+import dataclasses
 import functools
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
 from tetrabench.errors import InputError, find_named
-from tetrabench.protocols import Contestant, Family, Scenario, Workload
+from tetrabench.protocols import Contestant, Family, Option, Options, Scenario, Workload
 from tetrabench.sources import Source
 
 
@@ -44,14 +45,32 @@ def contestants(family_name: str) -> list[Contestant]:
     return list(_members("tetrabench.contestants", family_name).values())
 
 
-def contestant(family_name: str, name: str) -> Contestant:
-    """One contestant.
+def contestant(family_name: str, name: str, options: Options | None = None) -> Contestant:
+    """One contestant; `options` are values that are chosen about it, by name, instead of its own.
 
     Raises:
-        InputError: as `contestants`, or there is none of that name.
+        InputError: as `contestants`, or there is none of that name; as `choose_options`.
     """
-    known: dict[str, Contestant] = _members("tetrabench.contestants", family_name)
-    return find_named("backend", known, name)
+    known: dict[str, Any] = _members("tetrabench.contestants", family_name)
+    found = find_named("backend", known, name)
+    chosen: Contestant = (
+        dataclasses.replace(found, options=choose_options(name, found.options, options)) if options else found
+    )
+    return chosen
+
+
+def choose_options(owner: str, known: Mapping[str, Option], values: Options) -> dict[str, Option]:
+    """The options of a contestant, `owner`, with these values instead of their own.
+
+    Raises:
+        InputError: it has no such option, or the value is beyond the option's limits.
+    """
+    for name, value in values.items():
+        option = find_named(f"option of {owner}", known, name)
+        if not option.least <= value <= option.most:
+            limits = f"{option.least} to {option.most}"
+            raise InputError(f"{owner}: {name}={value} cannot be; it takes {limits}: {option.title}")
+    return {name: dataclasses.replace(option, value=values.get(name, option.value)) for name, option in known.items()}
 
 
 def scenarios(family_name: str) -> list[Scenario]:

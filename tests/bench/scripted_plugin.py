@@ -8,11 +8,12 @@ import subprocess
 import sys
 import threading
 import time
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from tetrabench.errors import InputError
-from tetrabench.protocols import Answer, ModelFacts, Work
+from tetrabench.protocols import Answer, ModelFacts, Option, Work
 
 HERE = Path(__file__).parent
 HEAVY_BYTES = 16 * 2**20
@@ -25,6 +26,8 @@ class Contestant:
     trade_off: str = "none"
     family: str = "scripted"
     extension: bool = False
+    options: Mapping[str, Option] = field(default_factory=dict)
+    is_exact: bool = True
 
 
 class Stage:
@@ -41,6 +44,8 @@ class Stage:
     def structure_bytes(self) -> dict[str, tuple[int, int]]:
         if self.block or self.contestant.name == "boasting":
             return {"block": (HEAVY_BYTES, HEAVY_BYTES + 8)}
+        if self.contestant.options:
+            return {"leaves": (self.contestant.options["capacity"].value, 64)}
         return {"letters": (3, 4), "words": (10, 20)}
 
     def build(self) -> None:
@@ -112,7 +117,8 @@ class Scenario:
         time.sleep(float(os.environ.get("SCRIPTED_PACE_S", 0)))  # somebody wants to see the run go on
         threads = int(os.environ["NUMBA_NUM_THREADS"])
         figures = {"count": outcome, "threads": threads, "sum": 0.5}
-        if self.name == "second" and name == "wrong":
+        figures |= {option: chosen.value for option, chosen in stage.contestant.options.items()}
+        if self.name == "second" and name in ("wrong", "careless"):
             return Answer("bad0", {"count": 41, "threads": threads, "sum": float("nan")})
         if self.name == "second" and name == "unstable" and not stage.is_small and stage.answers % 2:
             return Answer("bad1", figures)
@@ -121,10 +127,19 @@ class Scenario:
         if self.name == "second" and name == "mumbling" and not stage.is_small:
             return Answer(object(), figures)
         visits = stage.visits if stage.chained else 0
-        return Answer(f"{outcome}{visits}", figures)
+        series = SERIES.get(name, {}) if self.name == "second" and not stage.is_small else {}
+        return Answer(f"{outcome}{visits}", figures, series)
 
     def work(self, subject: tuple[Stage, int], outcome: int) -> Work:
         return Work(outcome, "letters")
+
+
+SERIES = {
+    "tuned": {"step": [10, 20], "step_s": (0.5, 0.25)},
+    "ragged": {"step": [10, 20], "step_s": [0.5]},
+    "boundless": {"step": [10, 20], "step_s": [0.5, float("inf")]},
+}
+"""By contestant."""
 
 
 def spin() -> None:
@@ -199,7 +214,15 @@ FAMILY = Family()
 NAMES = (
     "steady other third chatty lazy wrong raising crashing crashing-small leaving gone killed interrupting recursive"
     " hanging greedy closing deaf orphaning parenting unstable verbose mumbling threaded"
-    " heavy wasteful boasting crashing-building endless-building raising-building greedy-building"
+    " heavy wasteful boasting crashing-building endless-building raising-building greedy-building ragged boundless"
 )
-CONTESTANTS = [Contestant(name) for name in NAMES.split()]
+OPTIONS = {
+    "capacity": Option(8, 1, 63, "letters that a leaf holds"),
+    "recycle": Option(1, 0, 1, "whether empty leaves are used again"),
+}
+CONTESTANTS = [
+    *(Contestant(name) for name in NAMES.split()),
+    Contestant("tuned", options=OPTIONS),
+    Contestant("careless", is_exact=False),
+]
 SCENARIOS = [Scenario("first"), Scenario("second"), Scenario("third"), Scenario("many", parallel=True)]

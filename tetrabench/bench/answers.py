@@ -14,11 +14,14 @@ def judge(samples: Iterable[Sample], backends: Iterable[Backend]) -> list[Sample
     """The samples, those with a wrong answer marked "wrong-result", those of a contestant that says now this, now that
     "unstable".
 
-    In each task on each model every contestant has one vote for each answer that it gave; a control has none, for
-    it would be its reference's second. Right is what more than half of the contestants say, and more than say
-    anything else; where there is no such answer, all are wrong. Where nobody with a vote gave an answer, nobody is judged.
+    In each task on each model every backend has one vote for each answer that it gave; a control has none, for
+    it would be its reference's second, nor has a contestant that is known to be wrong. Right is what more than half of
+    the voters say, and more than say anything else; where there is no such answer, all are wrong. Where nobody with a
+    vote gave an answer, nobody is judged but those that are known to be wrong.
     """
-    voters = {backend.name for backend in backends if not backend.control}
+    backends = list(backends)
+    voters = {backend.name for backend in backends if not backend.control and backend.exact}
+    inexact = {backend.name for backend in backends if not backend.exact}
     cells: dict[tuple[str, str], list[Sample]] = {}
     samples = list(samples)
     for sample in samples:
@@ -29,7 +32,11 @@ def judge(samples: Iterable[Sample], backends: Iterable[Backend]) -> list[Sample
     right = {place: _majority(cell) for place, cell in votes.items()}
     wavering = {place: _wavering(cell) for place, cell in cells.items()}
     return [
-        _mark(sample, right[place], cells[place], sample.backend in wavering[place]) if votes[place] else sample
+        _mark(sample, right[place], cells[place], sample.backend in wavering[place])
+        if votes[place]
+        else _mark_unseen(sample)
+        if sample.backend in inexact
+        else sample
         for sample in samples
         if (place := (sample.model, sample.task))
     ]
@@ -68,6 +75,13 @@ def _mark(sample: Sample, right: Sample | None, cell: list[Sample], wavers: bool
     if wavers:
         return msgspec.structs.replace(sample, status="unstable", reason=f"not always the same answer; {reason}")
     return msgspec.structs.replace(sample, status="wrong-result", reason=reason)
+
+
+def _mark_unseen(sample: Sample) -> Sample:
+    """A sample of a contestant that is known to be wrong, where nobody else says what would be right."""
+    if sample.status != "ok":
+        return sample
+    return msgspec.structs.replace(sample, status="wrong-result", reason="nobody else says what would be right")
 
 
 def _difference(found: Figures, right: Figures) -> str:

@@ -51,7 +51,13 @@ class Registry:
             default_model=kind.default_model,
             size_option=kind.size_option,
             contestants=[
-                ContestantFacts(name=one.name, title=one.title, extension=one.extension)
+                ContestantFacts(
+                    name=one.name,
+                    title=one.title,
+                    extension=one.extension,
+                    options=dict(one.options),
+                    exact=one.is_exact,
+                )
                 for one in registry.contestants(family)
             ],
             scenarios=[

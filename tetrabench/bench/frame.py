@@ -20,9 +20,10 @@ def load_results(path: str | Path) -> "pandas.DataFrame":
     """A row for each sample of a results file.
 
     Columns are those of `record.Sample`, and what the file says elsewhere: `scenario` and `parallel` of the task,
-    `against` and `control` of the backend, the sizes of the model as `model_tetras`, `model_points`, ..., the counts of
-    the task as `option_sweeps`, ... (missing where a task has no such count). Times are in seconds, for all `repeats` of
-    a sample together. Words are strings, counts Int64, times float64 (NaN where missing), `figures` is a dict.
+    `contestant`, `against` and `control` of the backend, its options as `backend_capacity`, ..., the sizes of the model as
+    `model_tetras`, `model_points`, ..., the counts of the task as `option_sweeps`, ... (each missing where there is none).
+    Times are in seconds, for all `repeats` of a sample together. Words are strings, counts Int64, times float64 (NaN
+    where missing), `figures` and `series` are dicts.
 
     Raises:
         InputError: no such file, not our JSON, or another version's schema.
@@ -53,7 +54,11 @@ def _frame(results: Results, kind: type[msgspec.Struct], records: Iterable[Any])
         | {f"option_{name}": count for name, count in task.options.items()}
         for task in results.tasks
     }
-    backends = {one.name: {"against": one.against, "control": one.control} for one in results.backends}
+    backends = {
+        one.name: {"contestant": one.contestant, "against": one.against, "control": one.control}
+        | {f"backend_{name}": value for name, value in one.options.items()}
+        for one in results.backends
+    }
     rows = [
         msgspec.structs.asdict(one)
         | backends.get(one.backend, {})
@@ -64,13 +69,18 @@ def _frame(results: Results, kind: type[msgspec.Struct], records: Iterable[Any])
     columns = {
         name: _TYPES[_plain(hint)] for name, hint in get_type_hints(kind).items() if name in kind.__struct_fields__
     }
-    columns |= {"scenario": "string", "parallel": "boolean", "against": "string", "control": "boolean"}
-    columns |= {name: "Int64" for part in (*models.values(), *_counts(tasks)) for name in part}
+    columns |= {"scenario": "string", "parallel": "boolean"}
+    columns |= {"contestant": "string", "against": "string", "control": "boolean"}
+    columns |= {
+        name: "Int64"
+        for part in (*models.values(), *_named(tasks, "option_"), *_named(backends, "backend_"))
+        for name in part
+    }
     return pandas.DataFrame(rows, columns=list(columns)).astype(columns)
 
 
-def _counts(tasks: Mapping[str, Mapping[str, Any]]) -> list[list[str]]:
-    return [[name for name in task if name.startswith("option_")] for task in tasks.values()]
+def _named(facts: Mapping[str, Mapping[str, Any]], prefix: str) -> list[list[str]]:
+    return [[name for name in one if name.startswith(prefix)] for one in facts.values()]
 
 
 def _plain(hint: Any) -> type:

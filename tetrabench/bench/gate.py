@@ -53,6 +53,7 @@ class Finding(msgspec.Struct, frozen=True, kw_only=True):
     """One contestant in one task on one model.
 
     Attributes:
+        contestant: its name; in a sweep over its options followed by them.
         outcome: "passed" (not slower by more than the limit), "suspect" (slower, and still to be confirmed), "failed"
             (that was confirmed), "inconclusive", "broken" (head crashed, or gives another answer), "not compared".
         verdict: "faster", "slower", "same", "not slower" (by more than the limit; no more is known), "inconclusive";
@@ -146,8 +147,10 @@ def run_gate(
         old, new = versions
         with guide_of(new) as guide:
             plan = make(guide)
-        plan, notes = choose(plan, _described(old, plan.family))
-        plan = replace(seat_both(plan, old, new), command=command_of(plan, base, head))
+        described = _described(old, plan.family)
+        plan, notes = choose(plan, described)
+        plan, more = spare_base(seat_both(plan, old, new), described)
+        plan, notes = replace(plan, command=command_of(plan, base, head)), notes + more
         first = run_benchmark(plan, progress=progress, output=output)
         suspects = suspects_of(judge(first, limits))
         second = None
@@ -217,6 +220,23 @@ def seat_both(plan: Plan, base: Checkout, head: Checkout) -> Plan:
     )
 
 
+def spare_base(plan: Plan, base: Described) -> tuple[Plan, list[str]]:
+    """The plan whose base is told of no options that it does not know; and a note on what these are."""
+    known = {one.name: set(one.options) for one in base.contestants}
+    foreign = {
+        one.name: sorted(set(one.options) - known[one.contestant]) for one in plan.backends if one.checkout == BASE
+    }
+    backends = tuple(
+        msgspec.structs.replace(
+            one, options={name: value for name, value in one.options.items() if name not in foreign.get(one.name, ())}
+        )
+        for one in plan.backends
+    )
+    missing = dict.fromkeys(f"{one.contestant}.{name}" for one in plan.backends for name in foreign.get(one.name, ()))
+    notes = [f"Base does not know, and ran without: {', '.join(missing)}."] if missing else []
+    return replace(plan, backends=backends), notes
+
+
 def judge(results: Results, limits: Limits) -> list[Finding]:
     """What a run of both versions says of each cell, before it is confirmed."""
     samples = samples_of(results)
@@ -225,7 +245,7 @@ def judge(results: Results, limits: Limits) -> list[Finding]:
     fewest = fewest_launches(len(heads))
     return [
         _find(
-            {"model": model.name, "task": task.name, "contestant": head.contestant},
+            {"model": model.name, "task": task.name, "contestant": _name_of(head)},
             rows.get((model.name, task.name, head.name)),
             rows.get((model.name, task.name, head.against)),
             samples.get((model.name, task.name, head.name), []),
@@ -298,6 +318,11 @@ def _weigh(row: Row, measured: Measurement, limit: float, fewest: int) -> tuple[
     return "suspect", "slower", ""
 
 
+def _name_of(backend: Backend) -> str:
+    """What a backend was called before there were two of it, base and head."""
+    return backend.against.removesuffix(f"@{BASE}")
+
+
 def suspects_of(findings: Sequence[Finding]) -> list[Finding]:
     """Those that a second run has to confirm."""
     return [finding for finding in findings if finding.outcome == "suspect"]
@@ -306,7 +331,7 @@ def suspects_of(findings: Sequence[Finding]) -> list[Finding]:
 def narrow(plan: Plan, suspects: Sequence[Finding]) -> Plan:
     """The plan of the confirming run: the models, tasks and contestants in question, with other turns."""
     models, tasks, contestants = ({getattr(one, name) for one in suspects} for name in ("model", "task", "contestant"))
-    backends = tuple(one for one in plan.backends if one.contestant in contestants)
+    backends = tuple(one for one in plan.backends if _name_of(one) in contestants)
     return replace(
         plan,
         models={name: path for name, path in plan.models.items() if name in models},
@@ -352,7 +377,7 @@ def memory_of(results: Results, limits: Limits) -> list[MemoryChange]:
         if head.checkout == HEAD
         and (new := weighed.get((model.name, head.name)))
         and (old := weighed.get((model.name, head.against)))
-        for change in compare_memory(old, new, limits, head.contestant)
+        for change in compare_memory(old, new, limits, _name_of(head))
     ]
 
 

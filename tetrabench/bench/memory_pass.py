@@ -22,7 +22,10 @@ def weigh(spawn: Callable[[], Worker], family: str, backend: Backend, model: str
     Raises:
         InputError: the model cannot be used.
     """
-    requests: list[Request] = [Open(family, backend.contestant), Weigh(str(path))]
+    requests: list[Request] = [
+        Open(family, backend.contestant, options=backend.options),
+        Weigh(str(path)),
+    ]
     reply = _last_reply(spawn(), requests)
     if isinstance(reply, Weighed) and reply.compiled:  # the compiler got in the way: again, without it
         reply = _last_reply(spawn(), requests)

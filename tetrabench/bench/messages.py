@@ -7,18 +7,21 @@ The end of the pipe means close.
 import msgspec
 
 from tetrabench.bench.record import Yardsticks
+from tetrabench.protocols import Option
 
 PROTOCOL = 1
 """Of all this; the two ends may be different versions of tetrabench when one gate compares them."""
 
 
 class Open(msgspec.Struct, frozen=True, tag=True):
-    """Import the contestant and its family. `chained`: one net for all scenarios. Reply: Done."""
+    """Import the contestant and its family. `chained`: one net for all scenarios. `options`: what is chosen about the
+    contestant. Reply: Done."""
 
     family: str
     contestant: str
     chained: bool = False
     protocol: int = PROTOCOL
+    options: dict[str, int] = {}
 
 
 class Warm(msgspec.Struct, frozen=True, tag=True):
@@ -97,6 +100,7 @@ class Measured(msgspec.Struct, frozen=True, tag=True, kw_only=True):
     items: int
     unit: str
     least_bytes: int | None
+    series: dict[str, list[float]] = {}
 
 
 class Weighed(msgspec.Struct, frozen=True, tag=True, kw_only=True):
@@ -120,6 +124,8 @@ class ContestantFacts(msgspec.Struct, frozen=True, kw_only=True):
     name: str
     title: str
     extension: bool = False
+    options: dict[str, Option] = {}
+    exact: bool = True
 
 
 class ScenarioFacts(msgspec.Struct, frozen=True, kw_only=True):

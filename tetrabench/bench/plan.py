@@ -4,7 +4,7 @@ import hashlib
 import random
 import re
 import shlex
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
@@ -17,7 +17,8 @@ from tetrabench.bench.messages import ContestantFacts, Described, Find, Scenario
 from tetrabench.bench.record import Backend, Effort, Model, Task
 from tetrabench.bench.statistics import fewest_launches
 from tetrabench.errors import InputError, find_named
-from tetrabench.protocols import ModelFacts
+from tetrabench.protocols import ModelFacts, Options
+from tetrabench.registry import choose_options
 
 EFFORTS = {
     "default": Effort(launches=8, rounds=3, hopeless_rounds=3, narrow=0.03),
@@ -120,21 +121,24 @@ def make_plan(
 
     Args:
         model: a file, or the name of a model that the family can generate; None: the family's default, and a small one.
-        backends: all if None; the first one is the reference where the family's is not among them.
+        backends: contestants; all that are exact if None. The first one that is exact is the reference where the
+            family's is not among them.
         scenarios: all if None, or with the thesis profile those of the source, in its order.
-        reference: the backend that ratios refer to.
+        reference: the backend that ratios refer to; or a contestant, which stands for its first backend.
         profile: of EFFORTS; "thesis" takes the source's counts, once, on one net that changes as it goes.
         launches, rounds: so many instead of the profile's.
         tets: sizes of a generated model, in elements; several make a sweep.
-        options: counts of scenarios by name, "sweeps" or "alfa.sweeps"; several values make a sweep.
+        options: counts of scenarios and options of contestants by name, "sweeps" or "alfa.sweeps", which concerns all
+            that have it, or the one; several values make a sweep.
         numberings: of a generated model: "natural", "shuffled", "hilbert" or "rcm"; several make a sweep.
         seed: of a generated model, and of the order of turns.
         budget_s, timeout_s: see `Plan`.
         guide: who knows families and finds models; this process unless it shall stay small.
 
     Raises:
-        InputError: unknown names, a model that is not there, a count below 1, more than one round with the thesis, a
-            sweep over sizes and numberings at once, or over numberings without the natural one.
+        InputError: unknown names, a model that is not there, a count below 1, an option beyond its limits, a reference
+            that is known to be wrong, more than one round with the thesis, a sweep over sizes and numberings at once, or
+            over numberings without the natural one.
     """
     numberings = list(dict.fromkeys(numberings))
     if len(tets or ()) > 1 and len(numberings) > 1:
@@ -145,13 +149,16 @@ def make_plan(
     kind = guide.describe(family)
     if model is None:
         model, tets = kind.default_model, tets or [DEFAULT_SIZE]
-    chosen = _choose("backend", kind.contestants, backends)
-    names = [contestant.name for contestant in chosen]
-    if reference is None:
-        reference = kind.reference if kind.reference in names else next(iter(names), "")
-    if reference not in names:
-        raise InputError(f"the reference '{reference}' is not among the backends: {', '.join(names) or 'none'}")
     thesis = profile == "thesis"
+    options = options or {}
+    contestants = _choose("backend", kind.contestants, backends)
+    if backends is None:
+        contestants = [one for one in contestants if one.exact]
+    chosen_scenarios = _choose_scenarios(kind, scenarios, thesis)
+    _refuse_unknown(options, [*contestants, *chosen_scenarios])
+    seats = list(make_backends(contestants, options))
+    base = _find_reference(seats, reference, kind.reference)
+    called = base.contestant if base == _first_of(seats, base.contestant) else base.name
     asked = Path(model).name
     command = _command(
         asked,
@@ -159,14 +166,14 @@ def make_plan(
         family=family if family != "tetra" else None,
         backend=backends,
         scenario=scenarios,
-        reference=reference if reference != kind.reference else None,
+        reference=called if called != kind.reference else None,
         thesis=thesis,
         quick=profile == "quick",
         rigorous=profile == "rigorous",
         launches=launches,
         rounds=rounds,
         **{kind.size_option: tets},
-        option=[f"{name}={','.join(map(str, values))}" for name, values in (options or {}).items()],
+        option=[f"{name}={','.join(map(str, values))}" for name, values in options.items()],
         numbering=numberings if numberings != ["natural"] else None,
         seed=seed or None,
         budget=f"{budget_s:g}" if budget_s is not None else None,
@@ -183,11 +190,11 @@ def make_plan(
         family=family,
         models={name: Path(found.path) for name, found in models.items()},
         facts={name: ModelFacts(found.size, tuple(found.notes)) for name, found in models.items()},
-        tasks=tuple(make_tasks(_choose_scenarios(kind, scenarios, thesis), options or {}, thesis=thesis)),
-        backends=seat(chosen, reference, has_control=profile in ("default", "quick", "rigorous")),
-        reference=reference,
+        tasks=tuple(make_tasks(chosen_scenarios, options, thesis=thesis)),
+        backends=seat(seats, base, has_control=profile in ("default", "quick", "rigorous")),
+        reference=base.name,
         profile=profile,
-        effort=_choose_effort(profile, launches, rounds, len(chosen) - 1),
+        effort=_choose_effort(profile, launches, rounds, len(seats) - 1),
         seed=seed,
         budget_s=budget_s,
         timeout_s=timeout_s,
@@ -198,15 +205,33 @@ def make_plan(
     )
 
 
-def seat(chosen: Sequence[ContestantFacts], reference: str, *, has_control: bool) -> tuple[Backend, ...]:
-    """The contestants as backends of a run, the reference's control last."""
-    backends = [
-        Backend(name=one.name, contestant=one.name, title=one.title, against=reference, extension=one.extension)
-        for one in chosen
-    ]
+def seat(backends: Iterable[Backend], reference: Backend, *, has_control: bool) -> tuple[Backend, ...]:
+    """All backends against one of them, whose control comes last."""
+    seated = [msgspec.structs.replace(one, against=reference.name) for one in backends]
     if has_control:
-        backends += [control_of(backend) for backend in backends if backend.name == reference]
-    return tuple(backends)
+        seated += [control_of(one) for one in seated if one.name == reference.name]
+    return tuple(seated)
+
+
+def make_backends(contestants: Iterable[ContestantFacts], options: Mapping[str, Sequence[int]]) -> Iterator[Backend]:
+    """The contestants with their options, each against itself; with several values of an option, a backend for each.
+
+    Raises:
+        InputError: a value beyond the limits of its option.
+    """
+    for one in contestants:
+        values = {name: option.value for name, option in one.options.items()}
+        for name, chosen in combinations(one.name, values, options):
+            choose_options(one.name, one.options, chosen)
+            yield Backend(
+                name=name,
+                contestant=one.name,
+                title=one.title,
+                against=name,
+                extension=one.extension,
+                options=chosen,
+                exact=one.exact,
+            )
 
 
 def control_of(backend: Backend) -> Backend:
@@ -220,27 +245,66 @@ def make_tasks(
     """The scenarios with their counts; with several values of an option, one task for each.
 
     Raises:
-        InputError: an option that no scenario has, or that is below 1.
+        InputError: a count below 1.
     """
-    left = set(options)
     for scenario in scenarios:
-        counts = dict(scenario.thesis if thesis else scenario.options)
-        swept: dict[str, Sequence[int]] = {}
-        for name, values in options.items():
-            owner, _, option = name.rpartition(".")
-            if option in counts and owner in ("", scenario.name):
-                swept[option] = values
-                left.discard(name)
-        if any(value < 1 for values in swept.values() for value in values):
-            raise InputError(f"{scenario.name}: counts are 1 at least")
-        several = [name for name, values in swept.items() if len(values) > 1]
-        for values in product(*swept.values()):
-            chosen = counts | dict(zip(swept, values, strict=True))
-            words = [scenario.name, *(f"{name}={chosen[name]}" for name in several)]
-            yield Task(name=" ".join(words), scenario=scenario.name, options=chosen, parallel=scenario.parallel)
-    if left:
-        known = sorted({f"{one.name}.{name}" for one in scenarios for name in one.options})
-        raise InputError(f"no scenario has the option {', '.join(sorted(left))}; there are: {', '.join(known)}")
+        counts = scenario.thesis if thesis else scenario.options
+        for name, chosen in combinations(scenario.name, counts, options):
+            if any(chosen[option] < 1 for option in chosen if chosen[option] != counts[option]):
+                raise InputError(f"{scenario.name}: counts are 1 at least")
+            yield Task(name=name, scenario=scenario.name, options=chosen, parallel=scenario.parallel)
+
+
+def combinations(
+    owner: str, values: Options, options: Mapping[str, Sequence[int]]
+) -> Iterator[tuple[str, dict[str, int]]]:
+    """Every combination of what is asked of a scenario or a contestant, with its name: what is swept follows the owner.
+
+    Args:
+        owner: its name; values: its own, by option.
+        options: what is asked for, "sweeps" of all or "alfa.sweeps" of one; what is said last holds.
+    """
+    asked = {
+        option: said[-1]
+        for option in values
+        if (said := [options[name] for name in options if name in (option, f"{owner}.{option}")])
+    }
+    several = [option for option, choices in asked.items() if len(choices) > 1]
+    for choice in product(*asked.values()):
+        chosen = dict(values) | dict(zip(asked, choice, strict=True))
+        yield " ".join([owner, *(f"{option}={chosen[option]}" for option in several)]), chosen
+
+
+def _refuse_unknown(options: Iterable[str], owners: Sequence[ContestantFacts | ScenarioFacts]) -> None:
+    """Refuse an option that nobody has who takes part."""
+    known = {f"{one.name}.{name}": name for one in owners for name in one.options}
+    for name in options:
+        if name not in known.values():
+            find_named("option", known, name)
+
+
+def _find_reference(backends: Sequence[Backend], asked: str | None, usual: str) -> Backend:
+    """The backend that ratios refer to: the one asked for, that of the contestant of that name, or the usual one.
+
+    Raises:
+        InputError: it does not take part, or it is known to be wrong.
+    """
+    if asked is None:
+        exact = [one for one in backends if one.exact]
+        found = _first_of(exact, usual) or next(iter(exact or backends), None)
+    else:
+        found = next((one for one in backends if one.name == asked), None) or _first_of(backends, asked)
+    if found is None:
+        names = ", ".join(one.name for one in backends) or "none"
+        raise InputError(f"the reference '{asked or usual}' is not among the backends: {names}")
+    if not found.exact:
+        raise InputError(f"{found.name} is known to give wrong answers, and is no reference: add another --backend")
+    return found
+
+
+def _first_of(backends: Iterable[Backend], contestant: str) -> Backend | None:
+    """The first backend of a contestant; None where it does not take part."""
+    return next((one for one in backends if one.contestant == contestant), None)
 
 
 def parse_option(text: str) -> tuple[str, list[int]]:

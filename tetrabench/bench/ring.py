@@ -10,7 +10,7 @@ decided here:
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from threading import Lock
 from time import perf_counter
@@ -144,7 +144,7 @@ class Ring:
         wanted = {name: tasks for name, seat in self._seats.items() if (tasks := self._tasks_of(seat))}
         self._cells = sum(map(len, wanted.values()))
         with ThreadPoolExecutor(len(self._cores)) as pool:
-            starts = [pool.submit(self._start, self._seats[name], tasks) for name, tasks in wanted.items()]
+            starts = [pool.submit(self._start, self._seats[name], wanted[name]) for name in self._in_order(wanted)]
             try:
                 for start in starts:
                     start.result()
@@ -155,6 +155,14 @@ class Ring:
         for kind in self.seconds:  # it went on side by side
             self.seconds[kind] *= passed / worked if worked else 1.0
         self._refuse_if_there_is_no_memory()
+
+    def _in_order(self, names: Iterable[str]) -> list[str]:
+        """The first backend of each contestant comes first: it compiles what all others of that contestant load."""
+        firsts: dict[tuple[str, str], str] = {}
+        for name in names:
+            backend = self._seats[name].backend
+            firsts.setdefault((backend.contestant, backend.checkout), name)
+        return list(dict.fromkeys([*firsts.values(), *names]))
 
     def _tasks_of(self, seat: _Seat) -> list[Task]:
         """The tasks in which a contestant has turns to come in this launch."""
@@ -211,7 +219,9 @@ class Ring:
         self._book("starting", perf_counter() - begin)
         seat.learn(compile_s=0.0)
         seat.compiled = 0
-        return self._ask(seat, Open(self._plan.family, seat.backend.contestant, self._plan.chained), "starting")
+        backend = seat.backend
+        request = Open(self._plan.family, backend.contestant, self._plan.chained, options=backend.options)
+        return self._ask(seat, request, "starting")
 
     def _warm(self, seat: _Seat, task: Task) -> bool:
         """Compile what a scenario needs. False: the worker did not survive it."""

@@ -27,6 +27,9 @@ SHORTEST_S = 0.005
 PARALLEL = 1.1
 """A sample whose process took so many times the CPU time of its thread was parallel, whatever it claims."""
 
+INEXACT = "inexact"
+"""The verdict of a wrong answer by a contestant that is known to give such: it ranks nowhere, and nothing went wrong."""
+
 _ENDS = {  # status -> verdict; the worst first
     "wrong-result": "wrong",
     "unstable": "unstable",
@@ -50,7 +53,8 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
         verdict: "reference"; "control"; "faster", "slower", "same" (all of the interval within ALIKE) or "inconclusive";
             "about" (launches are too few for an interval; the ratio is no more than a hint); "too short" (to rank);
             "no reference" (which did not end well itself); "wrong", "unstable", "crashed", "out of memory",
-            "timed out", "failed", "unsupported", "skipped". Only faster and slower rank.
+            "timed out", "failed", "unsupported", "skipped"; "inexact" (wrong, as this contestant is known to be). Only
+            faster and slower rank.
         launches, samples: how many ended well.
         clock: "cpu" or "wall": which time the figures are.
         seconds: median over samples of the time of one run of the scenario.
@@ -228,6 +232,8 @@ def _row(
     facts |= {"launches": len({sample.launch for sample in good}), "samples": len(good)}
     for status, verdict in _ENDS.items():
         bad = next((sample for sample in samples if sample.status == status), None)
+        if bad is not None and status == "wrong-result" and not backend.exact:
+            return Row(**facts, status=status, verdict=INEXACT, reason=f"known to give wrong answers; {bad.reason}")
         if bad is not None:
             return Row(**facts, status=status, verdict=verdict, reason=bad.reason)
     seconds = median(_seconds(sample, clock) for sample in samples)

@@ -9,6 +9,7 @@ import gc
 import math
 import os
 import sys
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from time import perf_counter
@@ -82,7 +83,7 @@ class Worker:
                 if request.protocol != PROTOCOL:
                     raise InputError(f"messages of version {request.protocol}; this tetrabench knows {PROTOCOL}")
                 self._family: Family = registry.family(request.family)
-                self._contestant: Contestant = registry.contestant(request.family, request.contestant)
+                self._contestant: Contestant = registry.contestant(request.family, request.contestant, request.options)
                 self._chained = request.chained
                 return Done(perf_counter() - start)
             case Warm():
@@ -180,11 +181,29 @@ def take_sample(scenario: Scenario, stage: Stage, options: Options, repeats: int
         items=repeats * int(work.items),
         unit=work.unit,
         least_bytes=None if work.least_bytes is None else repeats * int(work.least_bytes),
+        series=_series(answer.series),
     )
 
 
 def _structure(stage: Stage) -> dict[str, tuple[int, int]]:
     return {name: (int(used), int(reserved)) for name, (used, reserved) in stage.structure_bytes().items()}
+
+
+def _series(series: Mapping[str, Sequence[float]]) -> dict[str, list[float]]:
+    """The series of an answer as plain numbers.
+
+    Raises:
+        TetrabenchError: they cannot be drawn beside each other: another length, or what is no finite number.
+    """
+    plain = {name: [float(value) for value in values] for name, values in series.items()}
+    for name, values in plain.items():
+        if len(values) != len(next(iter(plain.values()))):
+            lengths = ", ".join(f"{other} {len(one)}" for other, one in plain.items())
+            raise TetrabenchError(f"series of one answer are all of one length, and these are not: {lengths}")
+        odd = next((place for place, value in enumerate(values) if not math.isfinite(value)), None)
+        if odd is not None:
+            raise TetrabenchError(f"series {name}: {values[odd]}, at place {odd}, is no finite number")
+    return plain
 
 
 def _number(figure: float) -> float | None:

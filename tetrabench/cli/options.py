@@ -46,7 +46,7 @@ def read_seconds(ctx: click.Context, param: click.Parameter, text: str | None) -
 
 
 def read_options(ctx: click.Context, param: click.Parameter, values: tuple[str, ...]) -> dict[str, list[int]]:
-    """Counts of scenarios by name."""
+    """Counts of scenarios and options of backends by name."""
     from tetrabench.bench.plan import parse_option
 
     return dict(parse_option(value) for value in values)
@@ -165,14 +165,17 @@ def gate_options(verb: Callable[..., Any]) -> Callable[..., Any]:
 def _subject_options() -> list[Callable[..., Any]]:
     names: dict[str, Any] = {"multiple": True, "callback": split_names, "metavar": "A,B", "help": "All unless given."}
     size_help = "Size of a generated model, such as 100k; several make a sweep."
-    option_help = "A count of a scenario, such as alfa.sweeps=10; several make a sweep."
+    option_help = (
+        "A count of a scenario, such as alfa.sweeps=10, or an option of a backend; several values (1,2 or 1..9) make a "
+        "sweep. The verb `list` shows both."
+    )
     model_help = "A mesh file, or a model to generate.  [default: the family's, of 30k elements]"
     return [
         click.option("--model", metavar="FILE|NAME", help=model_help),
         family_option,
         click.option("--backend", "backends", **names),
         click.option("--scenario", "scenarios", **names),
-        click.option("--tets", "--cells", "tets", callback=read_counts, metavar="N,N", help=size_help),
+        click.option("--tets", "--cells", "--objects", "tets", callback=read_counts, metavar="N,N", help=size_help),
         click.option("--option", "options", multiple=True, callback=read_options, metavar="NAME=N,N", help=option_help),
         numberings_option,
     ]

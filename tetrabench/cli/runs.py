@@ -25,7 +25,7 @@ from tetrabench.cli.speech import RunProgress, patience, say, tabulate
 
 if TYPE_CHECKING:
     from tetrabench.bench import Plan, Results
-    from tetrabench.protocols import Scenario
+    from tetrabench.protocols import Option, Scenario
 
 
 @click.command()
@@ -124,13 +124,19 @@ def list_(what: str, family: str) -> None:
     from tetrabench import registry
 
     if what == "backends":
-        marked = [(one.name + "*" * one.extension, one) for one in registry.contestants(family)]
+        known = registry.contestants(family)
         tabulate(
             ["backend", "how it stores", "trade-off"],
-            [(name, one.title, one.trade_off) for name, one in marked],
+            [(one.name + "*" * one.extension, one.title, one.trade_off) for one in known],
         )
-        if any(one.extension for _, one in marked):
+        if any(one.extension for one in known):
             click.echo("* not from the source")
+        for one in known:
+            if not one.is_exact:
+                click.echo(f"{one.name} is known to give wrong answers: it takes part where --backend names it")
+        if options := [_option(one.name, name, option) for one in known for name, option in one.options.items()]:
+            click.echo()
+            tabulate(["--option", "unless given", "may be", "what it decides"], options)
     elif what == "scenarios":
         rows = [(one.name, one.title, _counts(one)) for one in registry.scenarios(family)]
         tabulate(["scenario", "what it does", "counts"], rows)
@@ -154,6 +160,11 @@ def present(results: Results, form: str, charts: Path | None, chart_format: str,
 
         for path in draw_charts(results, charts, f".{chart_format}"):
             say(f"wrote {path}")
+
+
+def _option(owner: str, name: str, option: Option) -> tuple[str, str, str, str]:
+    """An option of a backend, as it is typed, with its value and its limits."""
+    return f"{owner}.{name}", f"{option.value}", f"{option.least} to {option.most}", option.title
 
 
 def _counts(scenario: Scenario) -> str:

@@ -50,7 +50,15 @@ def check_values(ctx: click.Context, param: click.Parameter, path: Path | None) 
 @click.command()
 @click.argument("model", metavar="FILE|NAME")
 @family_option
-@click.option("--tets", "--cells", "size", callback=read_count, metavar="N", help="Of a generated model, such as 100k.")
+@click.option(
+    "--tets",
+    "--cells",
+    "--objects",
+    "size",
+    callback=read_count,
+    metavar="N",
+    help="Of a generated model, such as 100k.",
+)
 @numbering_option
 @seed_option
 @click.option(
