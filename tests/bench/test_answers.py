@@ -13,17 +13,21 @@ def said(backend, *digests, task="alfa", status="ok", model="box", **more):
     return [Sample(**place, status=status, round=round, digest=digest, **more) for round, digest in enumerate(digests)]
 
 
-def judged(*groups):
+def judged(*groups, inexact=()):
     """The status of each sample, in order."""
     samples = [sample for group in groups for sample in group]
     names = dict.fromkeys(sample.backend for sample in samples)
-    backends = [Backend(name=name, contestant=name, title=name, against="a") for name in names if " " not in name]
+    backends = [
+        Backend(name=name, contestant=name, title=name, against="a", exact=name not in inexact)
+        for name in names
+        if " " not in name
+    ]
     backends += [control_of(backend) for backend in backends if f"{backend.name} control" in names]
     return judge(samples, backends)
 
 
-def statuses(*groups):
-    return [sample.status for sample in judged(*groups)]
+def statuses(*groups, **more):
+    return [sample.status for sample in judged(*groups, **more)]
 
 
 def test_the_majority_is_right_by_contestants_and_not_by_samples():
@@ -79,6 +83,22 @@ def test_a_control_has_no_vote():
         "ok",
         "wrong-result",
     ]
+
+
+def test_who_is_known_to_be_wrong_has_no_vote():
+    groups = said("a", "d"), said("b", "x"), said("c", "x")
+    assert statuses(*groups) == ["wrong-result", "ok", "ok"]
+    assert statuses(*groups, inexact="bc") == ["ok", "wrong-result", "wrong-result"]
+    assert statuses(said("a", "d"), said("b", "d"), said("c", "d"), inexact="c") == ["ok"] * 3  # right for once
+    assert statuses(said("a", "d"), said("b", "x"), said("c", "x"), inexact="c") == ["wrong-result"] * 3
+
+
+@pytest.mark.parametrize("others", [[], [said("a", "", status="crash")], [said("a control", "x")]])
+def test_who_is_known_to_be_wrong_is_never_right_for_want_of_others(others):
+    samples = judged(said("b", "x", "x"), said("b", "", status="oom"), *others, inexact="b")
+    assert [one.status for one in samples[:3]] == ["wrong-result", "wrong-result", "oom"]
+    assert samples[0].reason == "nobody else says what would be right"
+    assert {one.status for one in samples[3:]} <= {"crash", "ok"}
 
 
 def test_a_control_alone_is_not_judged():

@@ -1,14 +1,18 @@
 """What a plan says: turns in balance, effort, references, tasks, sweeps, the command that repeats it."""
 
+import shlex
 from collections import Counter
 from itertools import pairwise
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
 from tests.bench.scripted import scripted_plan
 from tetrabench.bench import EFFORTS, Backend, Effort, Task, make_plan
-from tetrabench.bench.plan import DEFAULT_SIZE, control_of, model_of, parse_option, williams_row
+from tetrabench.bench.plan import DEFAULT_SIZE, combinations, control_of, model_of, parse_option, williams_row
+from tetrabench.bench.statistics import fewest_launches
+from tetrabench.cli import main
 from tetrabench.errors import InputError
 
 
@@ -66,6 +70,22 @@ def test_options_of_scenarios(text, option):
 def test_options_that_are_none(text):
     with pytest.raises(InputError, match=r"option '.*': write NAME=1,2,3 or NAME=1\.\.3"):
         parse_option(text)
+
+
+def test_combinations_are_named_by_what_is_swept():
+    own = {"a": 1, "b": 2, "c": 3}
+
+    def asked(options, owner="x"):
+        return list(combinations(owner, own, options))
+
+    assert asked({}) == [("x", own)]
+    assert asked({"y.a": [5, 6], "d": [1]}) == [("x", own)]
+    assert asked({"c": [7]}) == [("x", own | {"c": 7})]
+    assert asked({"c": [7, 8], "x.a": [4, 5], "b": [0]}) == [
+        (f"x a={a} c={c}", {"a": a, "b": 0, "c": c}) for a in (4, 5) for c in (7, 8)
+    ]
+    assert asked({"x.a": [4, 5], "a": [6]}) == asked({"a": [6]}) == [("x", own | {"a": 6})]  # what is said last
+    assert asked({"a": [6], "x.a": [4]}) == [("x", own | {"a": 4})]
 
 
 def test_the_digest_of_a_model_is_that_of_its_file(tmp_path: Path):
@@ -187,6 +207,102 @@ class TestMakePlan:
             plan_of(backends=FEW, scenarios=["first", "second"], options={"third.count": [3]})
         with pytest.raises(InputError, match="first: counts are 1 at least"):
             plan_of(options={"count": [0]})
+
+    def test_sweeps_over_options_of_contestants(self):
+        plan = plan_of(
+            backends=["steady", "tuned"],
+            scenarios=["first"],
+            options={"recycle": [1, 0], "tuned.capacity": [8, 16]},
+            reference="tuned",
+        )
+        tuned = [one for one in plan.backends if one.contestant == "tuned" and not one.control]
+        assert [(one.name, one.options) for one in tuned] == [
+            ("tuned capacity=8 recycle=1", {"capacity": 8, "recycle": 1}),
+            ("tuned capacity=8 recycle=0", {"capacity": 8, "recycle": 0}),
+            ("tuned capacity=16 recycle=1", {"capacity": 16, "recycle": 1}),
+            ("tuned capacity=16 recycle=0", {"capacity": 16, "recycle": 0}),
+        ]
+        assert plan.backends[0].options == {}
+        assert plan.reference == "tuned capacity=8 recycle=1"
+        assert {one.against for one in plan.backends} == {plan.reference}
+        assert plan.backends[-1] == control_of(tuned[0])
+        assert plan.backends[-1].options == {"capacity": 8, "recycle": 1}
+        assert [task.name for task in plan.tasks] == ["first"]
+        assert plan.command.endswith(" --reference tuned --option recycle=1,0 --option tuned.capacity=8,16")
+
+    def test_one_value_changes_no_name(self):
+        plan = plan_of(backends=["tuned", "steady"], options={"capacity": [63], "recycle": [0]})
+        assert [(one.name, one.options) for one in plan.backends] == [
+            ("tuned", {"capacity": 63, "recycle": 0}),
+            ("steady", {}),
+            ("steady control", {}),
+        ]
+        assert plan_of(backends=["tuned"]).backends[0].options == {"capacity": 8, "recycle": 1}
+
+    def test_each_backend_of_a_sweep_may_be_the_reference(self):
+        asked = {"backends": ["tuned", "steady"], "options": {"capacity": list(range(1, 64))}}
+        plan = plan_of(**asked, reference="tuned capacity=8")
+        assert plan.backends[-1].name == "tuned capacity=8 control"
+        assert plan.backends[-1].options == {"capacity": 8, "recycle": 1}
+        assert "--reference 'tuned capacity=8'" in plan.command
+        assert plan_of(**asked).reference == "steady"
+        assert len(plan.backends) == 65
+        assert plan.effort.launches == fewest_launches(63)  # the intervals of all of them hold together
+        with pytest.raises(
+            InputError, match="'tuned capacity=64' is not among the backends: tuned capacity=1, tuned ca"
+        ):
+            plan_of(**asked, reference="tuned capacity=64")
+
+    @pytest.mark.parametrize(
+        ("options", "reason"),
+        [
+            ({"capacity": [8, 64]}, r"tuned: capacity=64 cannot be; it takes 1 to 63: letters that a leaf holds$"),
+            ({"tuned.capacity": [0]}, r"tuned: capacity=0 cannot be; it takes 1 to 63"),
+            ({"tuned.recycle": [2]}, r"tuned: recycle=2 cannot be; it takes 0 to 1"),
+            (
+                {"tuned.capasity": [8]},
+                r"no option 'tuned.capasity'; did you mean 'tuned.capacity'\? "
+                r"there are: tuned.capacity, tuned.recycle, first.count$",
+            ),
+            ({"steady.capacity": [8]}, r"no option 'steady.capacity'; .* there are: tuned.capacity, "),
+            ({"speed": [8]}, r"no option 'speed'; there are: tuned.capacity, "),
+        ],
+    )
+    def test_options_that_cannot_be_chosen(self, options, reason):
+        with pytest.raises(InputError, match=reason):
+            plan_of(backends=["steady", "tuned"], scenarios=["first"], options=options)
+
+    def test_who_is_known_to_be_wrong_takes_part_where_named_and_is_no_reference(self):
+        plan = plan_of()
+        assert "careless" not in [one.name for one in plan.backends]
+        assert all(one.exact for one in plan.backends)
+        plan = plan_of(backends=["careless", "third"])
+        assert [(one.name, one.exact) for one in plan.backends] == [
+            ("careless", False),
+            ("third", True),
+            ("third control", True),
+        ]
+        assert plan.reference == "third"
+        for asked in ({"backends": ["careless"]}, {"backends": ["careless", "third"], "reference": "careless"}):
+            with pytest.raises(InputError, match="careless is known to give wrong answers, and is no reference: add"):
+                plan_of(**asked)
+
+    @pytest.mark.parametrize(
+        "words",
+        [
+            "--backend tuned,steady --reference 'tuned capacity=3' --option tuned.capacity=1..5 --option count=2,4",
+            "--backend tuned,careless --option recycle=0 --quick",
+            "--backend steady,tuned --option recycle=0,1 --reference tuned --launches 2",
+        ],
+    )
+    def test_the_command_asks_for_the_same_plan(self, words):
+        def plan(text):
+            said = CliRunner().invoke(main, [*shlex.split(text)[1:], "--dry-run"])
+            assert said.exit_code == 0, said.output
+            return said.stdout
+
+        first = plan(f"tetrabench run --model tiny --family scripted {words}")
+        assert plan(first.splitlines()[-1].removeprefix("command").strip()) == first
 
     def test_the_command_repeats_the_run_and_names_no_folder(self):
         plan = plan_of(model="/home/somebody/my file", backends=["third", "other"], profile="quick", seed=7)

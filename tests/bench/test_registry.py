@@ -40,6 +40,24 @@ class TestNames:
         with pytest.raises(InputError, match="no family 'script'; did you mean 'scripted'"):
             registry.contestants("script")
 
+    def test_options_of_a_contestant(self):
+        usual = registry.contestant("scripted", "tuned")
+        assert {name: option.value for name, option in usual.options.items()} == {"capacity": 8, "recycle": 1}
+        chosen = registry.contestant("scripted", "tuned", {"capacity": 16})
+        assert {name: option.value for name, option in chosen.options.items()} == {"capacity": 16, "recycle": 1}
+        assert (chosen.options["capacity"].least, chosen.options["capacity"].most) == (1, 63)
+        assert (chosen.name, type(chosen)) == (usual.name, type(usual))
+        assert registry.contestant("scripted", "tuned") is usual  # the table is as it was
+        for value in (0, 64):
+            with pytest.raises(
+                InputError, match=f"tuned: capacity={value} cannot be; it takes 1 to 63: letters that a "
+            ):
+                registry.contestant("scripted", "tuned", {"capacity": value})
+        with pytest.raises(InputError, match="no option of tuned 'capasity'; did you mean 'capacity'"):
+            registry.contestant("scripted", "tuned", {"capasity": 8})
+        with pytest.raises(InputError, match="no option of steady 'capacity'; there are: none"):
+            registry.contestant("scripted", "steady", {"capacity": 8})
+
 
 def test_a_plug_in_that_cannot_be_imported_is_named(install):
     install(

@@ -135,6 +135,13 @@ def differences(old: Results, new: Results) -> Iterator[str]:
         then = tasks.get(task.name)
         if then and (then.options, then.parallel) != (task.options, task.parallel):
             yield _differ(f"the counts of {task.name}", _counts(then.options), _counts(task.options))
+    backends = {one.name: one.options for one in old.backends}
+    for backend in new.backends:
+        given = backends.get(backend.name, {})
+        changed = [name for name, value in backend.options.items() if given.get(name, value) != value]
+        if changed and not backend.control:
+            before, after = ({name: one[name] for name in changed} for one in (given, backend.options))
+            yield _differ(f"the options of {backend.name}", _counts(before), _counts(after))
 
 
 def revision_of(results: Results) -> str:

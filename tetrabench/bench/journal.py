@@ -228,13 +228,18 @@ def _with(run: Results, part: Backend | Memory | Launch | Sample) -> Results:
     return run
 
 
+def _seat_of(backend: Backend) -> tuple[str, str, dict[str, int]]:
+    """What stays the same of a backend while a run learns about it."""
+    return backend.name, backend.against, backend.options
+
+
 def _refuse_another(path: Path, earlier: Results, run: Results) -> None:
     """Refuse to go on with a run that was about something else."""
     differing = [name for name in _FACTS if getattr(earlier, name) != getattr(run, name)]
     differing += [name for name in _ENVIRONMENT if earlier.environment.get(name) != run.environment.get(name)]
     if [(one.name, one.digest) for one in earlier.models] != [(one.name, one.digest) for one in run.models]:
         differing.append("model")
-    if [(one.name, one.against) for one in earlier.backends] != [(one.name, one.against) for one in run.backends]:
+    if list(map(_seat_of, earlier.backends)) != list(map(_seat_of, run.backends)):
         differing.append("backends")
     if differing:
         raise InputError(f"{path}: cannot go on with this run: another {', '.join(differing)}; give another file")

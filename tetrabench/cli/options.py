@@ -164,6 +164,7 @@ def gate_options(verb: Callable[..., Any]) -> Callable[..., Any]:
 
 def _subject_options() -> list[Callable[..., Any]]:
     names: dict[str, Any] = {"multiple": True, "callback": split_names, "metavar": "A,B", "help": "All unless given."}
+    backend_help = "All unless given, without those that are known to give wrong answers."
     size_help = "Size of a generated model, such as 100k; several make a sweep."
     option_help = (
         "A count of a scenario, such as alfa.sweeps=10, or an option of a backend; several values (1,2 or 1..9) make a "
@@ -173,7 +174,7 @@ def _subject_options() -> list[Callable[..., Any]]:
     return [
         click.option("--model", metavar="FILE|NAME", help=model_help),
         family_option,
-        click.option("--backend", "backends", **names),
+        click.option("--backend", "backends", **names | {"help": backend_help}),
         click.option("--scenario", "scenarios", **names),
         click.option("--tets", "--cells", "--objects", "tets", callback=read_counts, metavar="N,N", help=size_help),
         click.option("--option", "options", multiple=True, callback=read_options, metavar="NAME=N,N", help=option_help),
