@@ -62,3 +62,16 @@ def stats(storage: Storage) -> Mapping[str, float]:
 @generic()
 def leaf_rectangles(storage: Storage) -> Floats:
     """(k, 4) float64: x_low, y_low, x_high, y_high of what the plane is divided into; ends may be infinite. Not for kernels."""
+
+
+@generic()
+def structure_bytes(storage: Storage) -> Mapping[str, tuple[int, int]]:
+    """Bytes (used, reserved) of each array of the structure, by name. Not for kernels."""
+
+
+def bytes_of(storage: Storage, *, without: tuple[str, ...] = ()) -> dict[str, tuple[int, int]]:
+    """`structure_bytes` where all that is reserved is used: of all arrays of a NamedTuple but some, which are not its own."""
+    arrays = {
+        name: one for name, one in storage._asdict().items() if isinstance(one, np.ndarray) and name not in without
+    }
+    return {name: (array.nbytes, array.nbytes) for name, array in arrays.items()}

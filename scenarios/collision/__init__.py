@@ -1,0 +1,3 @@
+"""The scenarios on objects that move, each written once, against the interface alone."""
+
+SCENARIOS: list[object] = []
