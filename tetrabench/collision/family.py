@@ -11,6 +11,7 @@ from tetrabench.collision.objects import Start
 from tetrabench.collision.simulation import Simulation
 from tetrabench.collision.start.files import check_objects_source, check_objects_target, read_objects, write_objects
 from tetrabench.collision.start.inspection import count_outside
+from tetrabench.collision.start.kind import OBJECTS
 from tetrabench.collision.start.models import MODELS, generate_objects
 from tetrabench.io.shelf import Shelf
 from tetrabench.protocols import ModelFacts
@@ -87,7 +88,8 @@ class CollisionFamily:
     default_model = "uniform"
     size_option = "objects"
     thesis_order = ("motion", "concentration", "weightless", "gravity")
-    models: Mapping[str, str] = {name: model.title for name, model in MODELS.items()}
+    models: Mapping[str, str] = OBJECTS.names
+    kind = OBJECTS
 
     def find_model(self, model: str, *, size: int | None, numbering: str, seed: int) -> Path:
         """The file of a model: `model` is a path, or the name of one that is generated into the user's cache."""

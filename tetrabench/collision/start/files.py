@@ -26,7 +26,6 @@ from tetrabench.collision.objects import Floats, Objects, Start, check_box, make
 from tetrabench.collision.start.models import MASS, MODELS, RADIUS
 from tetrabench.errors import InputError, find_named
 from tetrabench.io import is_file, known_suffix
-from tetrabench.io.formats import NoCellsError
 from tetrabench.memory import refuse_if_too_large
 
 EXACT, TABLE = ".npz", ".csv"
@@ -39,8 +38,8 @@ def read_objects(path: str | os.PathLike[str]) -> Start:
     """Read a start in the format of its suffix.
 
     Raises:
-        InputError: an unknown suffix, no such file, or what is wrong with it, as `path:line: reason`; `NoCellsError` where
-            it is a .npz file of something else, `MemoryRefusedError` where there is not enough memory to read it.
+        InputError: an unknown suffix, no such file, or what is wrong with it, as `path:line: reason`;
+            `MemoryRefusedError` where there is not enough memory to read it.
     """
     suffix, file = check_objects_source(path), Path(path)
     if not is_file(file):
@@ -81,7 +80,16 @@ def check_objects_source(path: str | os.PathLike[str]) -> str:
     return known_suffix(path, (EXACT, TABLE))
 
 
-check_objects_target = check_objects_source  # what is read is written
+def check_objects_target(path: str | os.PathLike[str]) -> str:
+    """Return the suffix of a file that objects may be written to: to be asked before the work, not after it.
+
+    Raises:
+        InputError: an unknown suffix.
+    """
+    suffix = Path(path).suffix.lower()
+    if suffix not in (EXACT, TABLE):
+        raise InputError(f"{path}: objects are written as {EXACT} and {TABLE} files, not as {suffix!r}")
+    return suffix
 
 
 def holds_objects(path: str | os.PathLike[str]) -> bool:
@@ -111,7 +119,7 @@ def read_exact(path: Path) -> Start:
     except Exception as error:  # numpy and zipfile raise anything
         raise InputError(f"{path}: damaged, or not objects as tetrabench writes them; make it again") from error
     if is_other:
-        raise NoCellsError(f"{path}: holds no objects as tetrabench writes them; other programs can write {TABLE}")
+        raise InputError(f"{path}: holds no objects as tetrabench writes them; other programs can write {TABLE}")
     with told_of(path):
         objects = make_objects(*(arrays[name] for name in Objects._fields))
         width, height = arrays[BOX].tolist()
