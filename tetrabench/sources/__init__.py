@@ -1,7 +1,7 @@
 """What a family's source published, as data: its figures, and its findings as questions that any run can answer.
 
 A family names its `Source` under the entry point group `tetrabench.sources`. Nothing here knows a contestant; what asks
-and what answers meet in `Facts`.
+and what answers meet in `Facts`, or where the source drew curves in `Curves`.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
 if TYPE_CHECKING:  # the registry imports this module, and the statistics come with all of bench
     from tetrabench.bench.statistics import Interval
@@ -59,6 +59,39 @@ class Facts(Protocol):
         """How many of these the model has, such as "points"; of the source's, which is lost, None."""
 
 
+class Curves(Protocol):
+    """What runs say of the source's curves as one contestant draws them. None is what is not known.
+
+    Curves are known by their names, points by their places on the axis below. Intervals are as those of `Facts`.
+    """
+
+    @property
+    def contestant(self) -> str:
+        """Whose curves these are."""
+
+    def places(self, curve: str) -> list[float]:
+        """Where it was measured, ascending; empty where nobody did."""
+
+    def least(self, curve: str, among: Sequence[float]) -> float | None:
+        """That of some places where it takes least."""
+
+    def most(self, curve: str, among: Sequence[float]) -> float | None:
+        """That of some places where it takes most."""
+
+    def between(self, curve: str, place: float | None, other: float | None) -> Interval | None:
+        """The time at one place, as a multiple of that at another."""
+
+    def grown(self, curve: str, count: str = "") -> Interval | None:
+        """The time of a step, or a count, in the last tenth of a run as a multiple of that in the first."""
+
+    def beside(self, curve: str, other: str, count: str = "") -> Interval | None:
+        """The time of a whole run, or a count at its end, as a multiple of that of another curve's run."""
+
+
+Asked = TypeVar("Asked")
+"""What a finding is asked of: `Facts` or `Curves`."""
+
+
 @dataclass(frozen=True)
 class Reading:
     """One figure that a finding rests on, and the limits that it lies between if the finding holds.
@@ -81,7 +114,7 @@ class Reading:
 
 
 @dataclass(frozen=True)
-class Finding:
+class Finding(Generic[Asked]):
     """What the source says that it found.
 
     Attributes:
@@ -97,7 +130,7 @@ class Finding:
     claim: str
     section: str
     asked: str
-    readings: Callable[[Facts], list[Reading]]
+    readings: Callable[[Asked], list[Reading]]
     remark: str = ""
     models: tuple[str, ...] = ()
 
@@ -138,13 +171,61 @@ class Table:
 
 
 @dataclass(frozen=True)
+class Curve:
+    """A time over something that runs vary: a line for each contestant.
+
+    Attributes:
+        name: what the source calls it, such as "figure 8".
+        scenario: what is timed.
+        over: what is varied, as a run names it: what the size of a model counts, or an option; "step" is along the run,
+            see protocols.Answer.series.
+        options: of contestants that have them; who chose others is no part of it.
+        title: what it has that others of its figure have not.
+    """
+
+    name: str
+    scenario: str
+    over: str
+    options: Mapping[str, int] = field(default_factory=dict)
+    title: str = ""
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure of the source to be drawn anew, a panel for each curve.
+
+    Times are those of a scenario with the source's counts; along the run those of a step.
+
+    Attributes:
+        name: for all of its curves, such as "figures 12 to 15"; caption: what it shows.
+        across, up: words at the axes, units included; up_s: the unit of times, seconds.
+        count: what a second row of panels shows, by its name in the series; "" where there is none.
+        is_log: whether the axis below is logarithmic.
+        said: from where to where the source says that something is; said_words: what.
+        notes: what is to be known of it, a sentence each.
+    """
+
+    name: str
+    caption: str
+    curves: Sequence[Curve]
+    across: str
+    up: str
+    up_s: float = 1.0
+    count: str = ""
+    is_log: bool = False
+    said: tuple[float, float] | None = None
+    said_words: str = ""
+    notes: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
 class Source:
     """A publication whose experiment a family repeats.
 
     Attributes:
         machine: what its figures were measured on, with the compiler.
         reference: the contestant that its figures are compared with here.
-        contestants: title by name, in the order of its tables.
+        contestants: title by name, in the order of its tables; of a source with curves, what each of them stands for.
         figures: what shows a model's times in it, by model, such as "figure 10".
         counts: how much of each task it did, as options of our scenarios; a task that has none is not there.
         models: how large they were.
@@ -153,6 +234,7 @@ class Source:
         structures: bytes of the structures, by model and contestant.
         tick_s: of the timer that took its times; 0 where it is nothing beside them.
         tables: those that are set anew, as it printed them; where it has none, its times and memory are.
+        drawn: its figures that show curves; curve_findings: what it found in them, asked of each of its contestants.
         notes: what is to be known of its figures, a sentence each.
     """
 
@@ -168,11 +250,13 @@ class Source:
     counts: Mapping[str, Mapping[str, int]]
     times: Times
     memory: Mapping[str, Mapping[str, int]]
-    findings: Sequence[Finding]
+    findings: Sequence[Finding[Facts]]
     spoken: Times = field(default_factory=dict)
     structures: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     tick_s: float = 0.0
     tables: Sequence[Table] = ()
+    drawn: Sequence[Figure] = ()
+    curve_findings: Sequence[Finding[Curves]] = ()
     notes: Sequence[str] = ()
 
     @property

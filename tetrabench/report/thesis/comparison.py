@@ -6,8 +6,8 @@ for intervals, a figure may be off by statistics.CLEAR either way.
 """
 
 import math
-import re
-from collections.abc import Callable, Container, Iterable, Sequence
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+from dataclasses import replace
 from itertools import chain, count
 from typing import Any, Literal
 
@@ -20,9 +20,10 @@ from tetrabench.report.cells import MISSING, interval_of, ratio_of
 from tetrabench.report.memory import memories
 from tetrabench.report.notes import about_end, about_machine, fewer_than_asked
 from tetrabench.report.parts import Part, make_parts
-from tetrabench.report.thesis.facts import NOWHERE, Measured, Published
-from tetrabench.report.units import digits
-from tetrabench.sources import Finding, Reading, Source
+from tetrabench.report.thesis.curves import ALONG, Asked, Traced, trace
+from tetrabench.report.thesis.facts import NOWHERE, Measured, Published, model_of
+from tetrabench.report.units import digits, plural
+from tetrabench.sources import Curve, Curves, Facts, Figure, Finding, Reading, Source
 
 Verdict = Literal["holds", "holds no longer", "cannot tell", "not measured"]
 FEW_TICKS = 4
@@ -164,6 +165,65 @@ class SetAnew(msgspec.Struct, frozen=True, kw_only=True):
     notes: list[str]
 
 
+class At(msgspec.Struct, frozen=True, kw_only=True):
+    """A point of a line: its place, the time there in the unit of its figure with the ends of its interval, and the count.
+
+    `high` is None where no difference can be believed; `is_whole` as in statistics.Interval.
+    """
+
+    place: float
+    time: float
+    low: float
+    high: float | None
+    is_whole: bool
+    count: float | None = None
+
+
+class Drawn(msgspec.Struct, frozen=True, kw_only=True):
+    """The line of a contestant in a panel.
+
+    Attributes:
+        title: as the family's table has it, which decides how it looks; words: what it stands for, "" of none of the source's.
+        is_exact: whether its answers are right.
+    """
+
+    contestant: str
+    title: str
+    words: str
+    is_exact: bool
+    points: list[At]
+
+
+class Panel(msgspec.Struct, frozen=True, kw_only=True):
+    """A curve of the source (see sources.Curve) with a line for each contestant that measured it.
+
+    Attributes:
+        run: its command; about: what ran, a sentence.
+    """
+
+    name: str
+    title: str
+    run: str
+    about: str
+    lines: list[Drawn]
+
+
+class DrawnAnew(msgspec.Struct, frozen=True, kw_only=True):
+    """A figure of the source (see sources.Figure) drawn by runs; `is_along` says that its panels go along a run."""
+
+    name: str
+    caption: str
+    across: str
+    up: str
+    count: str
+    is_log: bool
+    is_along: bool
+    said: tuple[float, float] | None
+    said_words: str
+    panels: list[Panel]
+    notes: list[str]
+
+
 class Comparison(msgspec.Struct, frozen=True, kw_only=True):
     """A source beside today's runs. All of it is plain data: msgspec.json.encode takes it.
 
@@ -173,7 +233,7 @@ class Comparison(msgspec.Struct, frozen=True, kw_only=True):
         tasks, contestants: those of the source's tables, in their order; contestants with their titles.
         titles: of all contestants of the family, see record.Results.
         notes: what is to be known of the source's figures.
-        tables: those that the source wants set anew.
+        tables: those that the source wants set anew; drawn: its figures with curves.
     """
 
     title: str
@@ -189,14 +249,24 @@ class Comparison(msgspec.Struct, frozen=True, kw_only=True):
     findings: list[Judged]
     notes: list[str]
     tables: list[SetAnew] = []
+    drawn: list[DrawnAnew] = []
+
+    @property
+    def asked(self) -> list[str]:
+        """Whom the findings are asked of: the models of the runs, or the contestants whose curves these are."""
+        outcomes = (one.subject for judged in self.findings for one in judged.outcomes)
+        return list(dict.fromkeys(chain((one.name for one in self.subjects), outcomes)))
 
 
 def compare_with_source(runs: Sequence[Results], source: Source) -> Comparison:
     """What a source published beside what these runs measured on the same models.
 
     Raises:
-        InputError: a run measured nothing, or without the source's reference, or none of them on a model of the source.
+        InputError: a run measured nothing, or without the source's reference, or none of them on a model of the source,
+            or nothing that its curves show.
     """
+    if source.drawn:
+        return _compare_curves(runs, source)
     measured: dict[str, Measured] = {}
     for run in runs:
         for part in _parts_of(run, source):
@@ -206,26 +276,46 @@ def compare_with_source(runs: Sequence[Results], source: Source) -> Comparison:
         raise InputError(f"no model in these results is the source's: name one after {known}, and run it")
     _introduce(measured.values(), source)
     return Comparison(
-        title=source.title,
-        author=source.author,
-        place=source.place,
-        year=source.year,
-        then_machine=source.machine,
-        reference=source.reference,
-        tasks=source.tasks,
-        contestants=dict(source.contestants),
-        titles=runs[0].titles,
+        **_introduction(runs, source),
         subjects=[_subject(name, one, source) for name, one in measured.items()],
         findings=[_judge(finding, measured, source) for finding in source.findings],
-        notes=list(source.notes),
         tables=_tables(runs, measured.values(), source),
     )
 
 
-def model_of(name: str, source: Source) -> str | None:
-    """The source's model that a model of a run is named after; None where it is none."""
-    first = re.match(r"[^\W\d_]*", name.lower())
-    return first[0] if first and first[0] in source.times else None
+def _compare_curves(runs: Sequence[Results], source: Source) -> Comparison:
+    """The same for a source that drew curves: each finding is asked of each contestant that stands for it."""
+    for run in runs:
+        if run.profile == "check":
+            raise InputError(f"'{run.command}' measured no times: run it without checking alone")
+    curves = [curve for figure in source.drawn for curve in figure.curves]
+    others = [one.contestant for run in runs for one in run.backends if not one.control]
+    asked = {one: trace(curves, one, runs, source) for one in dict.fromkeys([*source.contestants, *others])}
+    if not any(one.traced for one in asked.values()):
+        known = "; ".join(dict.fromkeys(f"{curve.scenario} over {curve.over}" for curve in curves))
+        raise InputError(f"these results have none of the source's curves on its model: run one of {known}")
+    return Comparison(
+        **_introduction(runs, source),
+        subjects=[],
+        findings=[_judge_curves(finding, asked, source) for finding in source.curve_findings],
+        drawn=[drawn for figure in source.drawn if (drawn := _draw_anew(figure, asked, source)).panels],
+    )
+
+
+def _introduction(runs: Sequence[Results], source: Source) -> dict[str, Any]:
+    """What a comparison says of its source, whatever that published."""
+    return {
+        "title": source.title,
+        "author": source.author,
+        "place": source.place,
+        "year": source.year,
+        "then_machine": source.machine,
+        "reference": source.reference,
+        "tasks": source.tasks,
+        "contestants": dict(source.contestants),
+        "titles": runs[0].titles,
+        "notes": list(source.notes),
+    }
 
 
 def _parts_of(run: Results, source: Source) -> list[Part]:
@@ -389,15 +479,108 @@ def _spelled(figure: Interval | None, spell: Callable[[float], str]) -> str:
     return spell(figure.ratio) + ("" if figure.is_whole else "?")
 
 
+# -- curves
+
+
+def _draw_anew(figure: Figure, asked: Mapping[str, Asked], source: Source) -> DrawnAnew:
+    panels = [
+        (curve, {name: one.traced[curve.name] for name, one in asked.items() if curve.name in one.traced})
+        for curve in figure.curves
+    ]
+    return DrawnAnew(
+        name=figure.name,
+        caption=figure.caption,
+        across=figure.across,
+        up=figure.up,
+        count=figure.count,
+        is_log=figure.is_log,
+        is_along=any(curve.over == ALONG for curve in figure.curves),
+        said=figure.said,
+        said_words=figure.said_words,
+        panels=[_panel(curve, traced, figure, source) for curve, traced in panels if traced],
+        notes=list(figure.notes),
+    )
+
+
+def _panel(curve: Curve, traced: Mapping[str, Traced], figure: Figure, source: Source) -> Panel:
+    first = next(iter(traced.values()))
+    return Panel(
+        name=curve.name,
+        title=", ".join(filter(None, (curve.name, curve.title))),
+        run=first.run.command,
+        about=_about_panel(curve, first, source),
+        lines=[
+            Drawn(
+                contestant=name,
+                title=one.backend.title,
+                words=source.contestants.get(name, ""),
+                is_exact=one.backend.exact,
+                points=_points(one, figure),
+            )
+            for name, one in traced.items()
+        ],
+    )
+
+
+def _about_panel(curve: Curve, traced: Traced, source: Source) -> str:
+    """On what, how often, how much of it."""
+    run = traced.run
+    options = next(task.options for task in run.tasks if task.scenario == curve.scenario)
+    counts = [
+        f"{options[name]:,} {name} ({source.year}: {count:,})"
+        for name, count in source.counts.get(curve.scenario, {}).items()
+        if name in options
+    ]
+    model = "" if curve.over in traced.model.size else f" on {traced.model.name}"
+    launches = len({one.launch for one in run.launches})
+    facts = [f"{curve.scenario}{model}", *counts, plural(launches, "launch"), about_machine(run), about_end(run)]
+    return ", ".join(filter(None, facts))
+
+
+def _points(traced: Traced, figure: Figure) -> list[At]:
+    counts = traced.counts.get(figure.count, [])
+    points = []
+    for place, point in enumerate(traced.points):
+        if figure_of := traced.time(point):
+            time, low, high = (value / figure.up_s for value in figure_of[:3])
+            points.append(
+                At(
+                    place=point.place,
+                    time=time,
+                    low=low,
+                    high=_finite(high),
+                    is_whole=figure_of.is_whole,
+                    count=counts[place] if counts else None,
+                )
+            )
+    return points
+
+
 # -- findings
 
 
-def _judge(finding: Finding, measured: dict[str, Measured], source: Source) -> Judged:
+def _judge_curves(finding: Finding[Curves], asked: Mapping[str, Asked], source: Source) -> Judged:
+    """What each contestant that stands for something says of a finding; the source printed no figures to ask."""
+    return _judged(
+        finding,
+        [
+            _outcome(f"{name}, {words}", today, [replace(one, figure=None) for one in today], source)
+            for name, words in source.contestants.items()
+            for today in [finding.readings(asked[name])]
+        ],
+    )
+
+
+def _judge(finding: Finding[Facts], measured: dict[str, Measured], source: Source) -> Judged:
     outcomes = []
     for name, facts in measured.items():
         model = model_of(facts.part.model.name, source) or ""
         if not finding.models or model in finding.models:
             outcomes.append(_outcome(name, finding.readings(facts), finding.readings(Published(model, source)), source))
+    return _judged(finding, outcomes)
+
+
+def _judged(finding: Finding[Any], outcomes: list[Outcome]) -> Judged:
     return Judged(
         name=finding.name,
         claim=finding.claim,

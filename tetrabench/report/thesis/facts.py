@@ -5,6 +5,7 @@ the source all was one launch, whose figures are taken as they are printed.
 """
 
 import math
+import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
@@ -30,6 +31,12 @@ FEWEST_APART = 3
 NOWHERE = (0.0, math.inf)
 """The ends of an interval that says nothing."""
 Logs = Mapping[int, float]  # launch -> ln of a ratio
+
+
+def model_of(name: str, source: Source) -> str | None:
+    """The source's model that a model of a run is named after; None where it is none."""
+    first = re.match(r"[^\W\d_]*", name.lower())
+    return first[0] if first and first[0] in source.models else None
 
 
 class Known(ABC):

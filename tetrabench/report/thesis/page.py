@@ -16,8 +16,12 @@ from tetrabench import registry
 from tetrabench.bench.record import Results, write_whole
 from tetrabench.bench.statistics import ALIKE, CLEAR, SHORTEST_S
 from tetrabench.errors import InputError
+from tetrabench.report.cells import MISSING
 from tetrabench.report.thesis.comparison import (
+    At,
     Comparison,
+    Drawn,
+    DrawnAnew,
     Entry,
     Held,
     Judged,
@@ -25,6 +29,8 @@ from tetrabench.report.thesis.comparison import (
     Subject,
     compare_with_source,
 )
+from tetrabench.report.thesis.curve_figures import draw_curves, file_of, least_of
+from tetrabench.report.thesis.curves import TENTH
 from tetrabench.report.thesis.figures import as_svg, draw_figures, name_of, save_figures
 from tetrabench.report.units import digits, duration, percent, times, two_digits
 
@@ -141,7 +147,7 @@ def _compared(runs: Sequence[Results]) -> tuple[Comparison, dict[str, Figure]]:
     if len(families) > 1:
         raise InputError(f"results of several families, {', '.join(families)}, have no source in common: take one")
     comparison = compare_with_source(runs, registry.source(families[0]))
-    return comparison, draw_figures(comparison, runs[0])
+    return comparison, draw_figures(comparison, runs[0]) | draw_curves(comparison, runs[0])
 
 
 # -- what is said
@@ -154,9 +160,12 @@ def _drawn(comparison: Comparison, figures: Collection[str]) -> Iterator[Block]:
 
 def _blocks(comparison: Comparison) -> Iterator[Block]:
     year = comparison.year
+    compared = f"Ratios are what is compared: times as multiples of {comparison.reference}'s."
+    if comparison.drawn:
+        compared = "Its figures are curves, and their shape is what is compared."
     yield Text(
-        f"{comparison.author}: {comparison.title}, {comparison.place}, {year}. Ratios are what is compared: times as "
-        f"multiples of {comparison.reference}'s. {year} on {comparison.then_machine}."
+        f"{comparison.author}: {comparison.title}, {comparison.place}, {year}. {compared} "
+        f"{year} on {comparison.then_machine}."
     )
     yield Items([Text(note) for note in comparison.notes])
     yield Heading("What the source found, and whether it still holds")
@@ -174,6 +183,8 @@ def _blocks(comparison: Comparison) -> Iterator[Block]:
         )
     for table in comparison.tables:
         yield from _set_anew(comparison, table)
+    for drawn in comparison.drawn:
+        yield from _drawn_anew(drawn)
     for subject in comparison.subjects:
         yield Heading(f"{subject.figure.capitalize()}: {subject.name}")
         yield from _about(comparison, subject)
@@ -194,12 +205,13 @@ def _overview(comparison: Comparison) -> Table:
     for judged in comparison.findings:
         found = {one.subject: one for one in judged.outcomes}
         cells = [
-            Text(found[one.name].outcome, CLASSES[found[one.name].outcome]) if one.name in found else Text("-")
-            for one in comparison.subjects
+            Text(found[one].outcome, CLASSES[found[one].outcome]) if one in found else Text("-")
+            for one in comparison.asked
         ]
         rows.append([Text(judged.claim, "claim"), Text(judged.section), *cells])
-    head = ["the source says", "in its section", *(one.name for one in comparison.subjects)]
-    return Table("Findings of the source, model by model", head, rows, names=2)
+    head = ["the source says", "in its section", *comparison.asked]
+    what = "model by model" if comparison.subjects else "by whom they are asked of"
+    return Table(f"Findings of the source, {what}", head, rows, names=2)
 
 
 def _evidence(comparison: Comparison, judged: Judged) -> Items:
@@ -270,6 +282,59 @@ def _set_anew(comparison: Comparison, table: SetAnew) -> Iterator[Block]:
     )
     if table.notes:
         yield Items([Text(note) for note in table.notes])
+
+
+def _drawn_anew(drawn: DrawnAnew) -> Iterator[Block]:
+    """A figure of the source: the picture, its figures, what they come from."""
+    yield Heading(f"{drawn.name.capitalize()}: {drawn.caption}")
+    yield Picture(file_of(drawn), f"{drawn.name.capitalize()} of the source, drawn by today's runs: {drawn.caption}")
+    yield _times_of(drawn)
+    if drawn.count:
+        yield _counts_of(drawn)
+    broken = dict.fromkeys(line.contestant for panel in drawn.panels for line in panel.lines if not line.is_exact)
+    notes = [*(f"{name}'s answers are wrong: it is compared with nothing." for name in broken), *drawn.notes]
+    notes += [f"{one}." for one in least_of(drawn)]
+    notes += dict.fromkeys(f"{panel.about}: {panel.run}" for panel in drawn.panels)
+    yield Items([Text(note) for note in notes])
+
+
+def _times_of(drawn: DrawnAnew) -> Table:
+    """Places down, contestants across; along a run a line for each tenth of it."""
+    return _points_of(drawn, f"{drawn.name.capitalize()}: {drawn.up}", _time)
+
+
+def _counts_of(drawn: DrawnAnew) -> Table:
+    return _points_of(drawn, f"{drawn.name.capitalize()}: {drawn.count}", _count)
+
+
+def _points_of(drawn: DrawnAnew, caption: str, say: Callable[[At], str]) -> Table:
+    lines = [(panel, line) for panel in drawn.panels for line in panel.lines]
+    known = [{point.place: say(point) for point in _shown(drawn, line)} for _, line in lines]
+    places = sorted({place for points in known for place in points})
+    several = len(drawn.panels) > 1
+    return Table(
+        caption,
+        [drawn.across, *(f"{panel.name}, {line.contestant}" if several else line.contestant for panel, line in lines)],
+        [[Text(f"{place:,.0f}"), *(Text(points.get(place, MISSING)) for points in known)] for place in places],
+    )
+
+
+def _shown(drawn: DrawnAnew, line: Drawn) -> Sequence[At]:
+    """The points of a line that a table shows."""
+    if not drawn.is_along:
+        return line.points
+    every = max(1, len(line.points) // TENTH)
+    return line.points[every - 1 :: every]
+
+
+def _time(point: At) -> str:
+    if point.high is None:
+        return "unclear"
+    return digits(point.time) + ("" if point.is_whole else "?")
+
+
+def _count(point: At) -> str:
+    return MISSING if point.count is None else f"{point.count:,.0f}"
 
 
 def _seconds_of(comparison: Comparison, subject: Subject) -> Table:
