@@ -18,6 +18,7 @@ from tetrabench.cli.reporting import report
 from tetrabench.cli.runs import check, list_, run, show
 from tetrabench.cli.speech import say
 from tetrabench.cli.viewing import view
+from tetrabench.cli.watching import watch
 from tetrabench.errors import InputError, TetrabenchError, find_named
 
 INTERRUPTED = 130
@@ -77,5 +78,7 @@ def main() -> None:
     """
 
 
-for verb in (run, check, show, report, recommend, gate, compare, history, doctor, list_, info, view, convert, generate):
+_OF_RUNS = (run, check, show, report, recommend, gate, compare, history)
+_OF_MODELS = (doctor, list_, info, view, watch, convert, generate)
+for verb in (*_OF_RUNS, *_OF_MODELS):
     main.add_command(verb)
