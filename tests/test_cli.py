@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from click.testing import CliRunner, Result
@@ -14,6 +15,7 @@ from tests.report.made import change, make_results
 from tetrabench.bench import save_results
 from tetrabench.bench.record import Results
 from tetrabench.cli import main
+from tetrabench.protocols import Option
 from tetrabench.report.formats import FORMATS
 from tetrabench.report.table import as_markdown, as_text
 
@@ -110,7 +112,7 @@ def test_missing_model_says_how_to_get_one(tmp_path: Path):
 def test_unknown_names_are_answered_with_the_nearest():
     assert "did you mean 'v3y'?" in refusal(*RUN, "--backend", "v3,v3yy")
     assert "did you mean 'explode'?" in refusal(*RUN, "--scenario", "exploed")
-    assert "there are: polygon, tetra" in refusal(*RUN, "--family", "tetras")
+    assert "there are: collision, polygon, tetra" in refusal(*RUN, "--family", "tetras")
     assert "did you mean 'nozzle'?" in refusal("generate", "nozle", "-o", "nozzle.nas")
 
 
@@ -265,6 +267,28 @@ def test_lists():
     assert "property arrays, flag + list" in backends
     assert "sweeps 50 (thesis 200)" in say("list", "scenarios").stdout
     assert re.search(r"^nozzle ", say("list", "models").stdout, re.MULTILINE)
+
+
+def test_options_of_backends_are_listed_with_their_limits(monkeypatch: pytest.MonkeyPatch):
+    facts = {"title": "buckets", "trade_off": "none", "extension": False}
+    options = {"capacity": Option(8, 1, 63, "objects that a leaf holds")}
+    known = [
+        SimpleNamespace(name="tree", options=options, is_exact=True, **facts),
+        SimpleNamespace(name="leaf", options={}, is_exact=False, **facts),
+    ]
+    monkeypatch.setattr("tetrabench.registry.contestants", lambda family: known)
+    said = say("list", "backends").stdout
+    assert re.search(r"^tree.capacity +8 +1 to 63 +objects that a leaf holds$", said, re.MULTILINE)
+    assert "leaf is known to give wrong answers: it takes part where --backend names it" in said
+    monkeypatch.setattr("tetrabench.registry.contestants", lambda family: known[1:])
+    assert "--option" not in say("list", "backends").stdout
+
+
+def test_objects_are_another_word_for_the_size(no_measuring):
+    plans = no_measuring(make_results())
+    for word in ("--tets", "--cells", "--objects"):
+        say("run", "--model", "box", word, "300,1k")
+        assert list(plans[-1].models) == ["box-300", "box-1000"]
 
 
 def test_generate_writes_a_mesh_and_states_its_quality(tmp_path: Path):

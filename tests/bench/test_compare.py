@@ -82,6 +82,15 @@ def test_a_cell_that_goes_wrong_in_the_new_run_is_3(status):
     assert healed.exit_code(strict=True) == 0
 
 
+def test_a_wrong_answer_that_was_expected_is_no_comparison_and_no_failure():
+    backends = [make_backend("v3y"), make_backend("v4", exact=False), make_backend("v5")]
+    run = make_run({"alfa": {"v4": spread(1.8), "v5": spread(2)}}, backends=backends)
+    run = change_samples(run, "alfa", "v4", status="wrong-result", reason="because")
+    comparison = compare(run, run)
+    assert [change.verdict for change in comparison.changes] == ["no comparison", "same"]
+    assert comparison.exit_code(strict=True) == 0
+
+
 def test_a_cell_that_went_wrong_in_the_memory_pass_is_3():
     old = make_run({"alfa": {"v4": spread()}})
     new = msgspec.structs.replace(old, memory=[make_memory("v4", 0, status="oom", reason="no more")])
@@ -148,10 +157,16 @@ def test_a_change_of_the_reference_is_suspected():
         ({"family": "polygon"}, "family"),
         ({"reference": "v4"}, "reference (v3y, then v4)"),
         ({"profile": "quick"}, "profile (default, then quick)"),
+        (
+            {"backends": [make_backend("v3y"), make_backend("v4", options={"capacity": 9})]},
+            "the options of v4 (capacity 8, ",
+        ),
     ],
 )
 def test_unlike_runs_are_refused(changes, said):
-    old = make_run({"alfa": {"v4": spread()}})
+    backends = [make_backend("v3y"), make_backend("v4", options={"capacity": 8, "recycle": 1})]
+    old = make_run({"alfa": {"v4": spread()}}, backends=backends)
+    assert compare(old, msgspec.structs.replace(old, backends=[make_backend("v3y"), make_backend("v4")]))
     with pytest.raises(NotComparableError) as refused:
         compare(old, msgspec.structs.replace(old, **changes))
     assert said in str(refused.value)

@@ -1,6 +1,7 @@
 """What the gate decides, from runs made by hand; what it runs, and what it leaves behind."""
 
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import msgspec
@@ -19,6 +20,7 @@ from tetrabench.bench.gate import (
     narrow,
     run_gate,
     seat_both,
+    spare_base,
     suspects_of,
 )
 from tetrabench.bench.limits import Limits, limits_of
@@ -26,6 +28,7 @@ from tetrabench.bench.messages import ContestantFacts, Described, ScenarioFacts
 from tetrabench.bench.plan import EFFORTS, Plan, control_of
 from tetrabench.bench.record import Backend, Task
 from tetrabench.errors import InputError, NotComparableError
+from tetrabench.protocols import Option
 from tetrabench.report.verdicts import gate_as, headline, words_of
 
 LIMITS = Limits()
@@ -275,6 +278,78 @@ def test_what_base_does_not_have_is_left_out():
     assert choose(make_plan("v3y"), offer())[1] == []
     with pytest.raises(NotComparableError, match="base does not have v3y"):
         choose(make_plan("v3y"), offer(contestants=["v5"]))
+
+
+def sweep_plan():
+    """Of a contestant with two capacities."""
+    plan = make_plan("v3y", "v4")
+    swept = [
+        msgspec.structs.replace(plan.backends[1], name=f"v4 capacity={k}", options={"capacity": k, "recycle": 1})
+        for k in (8, 16)
+    ]
+    return replace(plan, backends=(plan.backends[0], *swept))
+
+
+def test_backends_of_one_contestant_are_told_apart():
+    plan = seat_both(sweep_plan(), BASE, HEAD)
+    assert [one.name for one in plan.backends if one.contestant == "v4" and not one.control] == [
+        *("v4 capacity=8@base", "v4 capacity=8@head", "v4 capacity=16@base", "v4 capacity=16@head"),
+    ]
+    run = make_gate_run({"alfa": {"v3y": spread(), "v4": spread(1.31), "v5": spread()}})
+    names = {"v4@": "v4 capacity=8@", "v5@": "v4 capacity=16@"}
+
+    def renamed(text):
+        return next((text.replace(old, new) for old, new in names.items() if old in text), text)
+
+    run = msgspec.structs.replace(
+        run,
+        backends=list(plan.backends),
+        samples=[msgspec.structs.replace(one, backend=renamed(one.backend)) for one in run.samples],
+        memory=[make_memory(f"v4 capacity={k}@{side}", size) for k in (8, 16) for side, size in SIZES[k].items()],
+    )
+    found = judge(run, LIMITS)
+    assert [(one.contestant, one.outcome) for one in found] == [
+        ("v3y", "passed"),
+        ("v4 capacity=8", "suspect"),
+        ("v4 capacity=16", "passed"),
+    ]
+    again = narrow(plan, suspects_of(found))
+    assert [one.name for one in again.backends] == [
+        *("v4 capacity=8@base", "v4 capacity=8@head", "v4 capacity=8@base control"),
+    ]
+    memory = make_gate(BASE, HEAD, LIMITS, run, run).memory
+    assert [(one.backend, one.verdict) for one in memory] == [("v4 capacity=8", "same"), ("v4 capacity=16", "larger")]
+
+
+SIZES = {8: {"base": 10**8, "head": 10**8}, 16: {"base": 10**8, "head": 2 * 10**8}}
+
+
+def test_base_is_told_of_no_options_that_it_does_not_know():
+    known = offer()
+    known.contestants[1] = msgspec.structs.replace(
+        known.contestants[1], options={"capacity": Option(8, 1, 63, "how many")}
+    )
+    plan = seat_both(sweep_plan(), BASE, HEAD)
+    spared, notes = spare_base(plan, known)
+    assert notes == ["Base does not know, and ran without: v4.recycle."]
+    assert {one.name: one.options for one in spared.backends if one.contestant == "v4"} == {
+        f"v4 capacity={k}@{side}": {"capacity": k} | ({"recycle": 1} if side == "head" else {})
+        for k in (8, 16)
+        for side in ("base", "head", "base control")
+    }
+    assert spare_base(seat_both(make_plan("v3y"), BASE, HEAD), offer())[1] == []
+
+
+def test_an_expected_wrong_answer_is_not_compared_and_not_broken():
+    run = make_gate_run({"alfa": {"v3y": spread(), "v4": spread(1.31)}})
+    wrong = {"digest": "bad0", "status": "wrong-result", "reason": "because"}
+    for name in ("v4@base", "v4@head", "v4@base control"):
+        run = change_samples(run, "alfa", name, **wrong)
+    assert [one.outcome for one in judge(run, LIMITS)] == ["passed", "broken"]
+    known = [msgspec.structs.replace(one, exact=one.contestant != "v4") for one in run.backends]
+    run = msgspec.structs.replace(run, backends=known)
+    assert [one.outcome for one in judge(run, LIMITS)] == ["passed", "not compared"]
+    assert gate_of(run).exit_code(strict=True) == 0
 
 
 def test_only_cells_in_question_run_again():

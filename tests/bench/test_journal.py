@@ -386,6 +386,14 @@ CHANGES = {
 }
 
 
+def test_other_options_of_a_contestant_are_refused(target: Path):
+    """In no name are those that are not swept."""
+    _, plan = interrupted(target)
+    backends = tuple(msgspec.structs.replace(one, options={"capacity": 9}) for one in plan.backends)
+    with pytest.raises(InputError, match="cannot go on with this run: another backends; give another file"):
+        Play().run(dataclasses.replace(plan, backends=backends), output=target, resume=True)
+
+
 @pytest.mark.parametrize("what", CHANGES)
 def test_another_plan_is_refused_by_what_differs(target: Path, what: str):
     _, plan = interrupted(target)

@@ -25,6 +25,7 @@ MADE = {
     "sweep": make_sweep(TWO, {"v3y": 1, "v4": 2}, [100, 200], launches=1),
     "bad": change(make_results(TWO), "flow", "v4", status="crash", cpu_s=None, figures={"sum": None}),
     "empty": make_results(samples=[], models=[], memory=[], ended="interrupted"),
+    "series": change(make_results(TWO), "flow", "v4", series={"step": [1.0, 2.0], "step_s": [0.5, 0.25]}),
     "odd": make_results(TWO, memory=[Memory(model="nozzle", backend="v4", status="oom", reason='"\n\x00é')]),
 }
 
@@ -127,6 +128,24 @@ def test_frames_know_model_task_and_backend(tmp_path: Path):
         assert set(frame[frame.control].backend) == {"v3y control"}
         assert set(frame.against) == {"v3y"}
         assert not frame.parallel.any()
+
+
+def test_frames_know_the_options_of_backends(tmp_path: Path):
+    made = make_results(TWO)
+    options = {"v4": {"capacity": 8}}
+    backends = [msgspec.structs.replace(one, options=options.get(one.name, {})) for one in made.backends]
+    save_results(msgspec.structs.replace(made, backends=backends), tmp_path / "made.json")
+    for frame in (load_results(tmp_path / "made.json"), load_summary(tmp_path / "made.json")):
+        assert set(frame[frame.backend == "v4"].backend_capacity) == {8}
+        assert frame[frame.backend != "v4"].backend_capacity.isna().all()
+        assert set(frame[frame.backend == "v3y control"].contestant) == {"v3y"}
+
+
+def test_series_are_in_a_frame(tmp_path: Path):
+    save_results(MADE["series"], tmp_path / "made.json")
+    frame = load_results(tmp_path / "made.json")
+    assert frame[(frame.backend == "v4") & (frame.task == "flow")].series.iloc[0]["step"] == [1.0, 2.0]
+    assert frame[frame.backend == "v3y"].series.iloc[0] == {}
 
 
 def test_cells_as_a_frame(saved: tuple[Results, Path]):

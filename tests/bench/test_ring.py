@@ -3,6 +3,7 @@
 import dataclasses
 from collections import Counter
 
+import msgspec
 import pytest
 
 from tests.bench.scripted import BUILDING, Diary, Play, measured, of, play, scripted_plan
@@ -10,6 +11,7 @@ from tetrabench.bench import Sample, exit_code, summary
 from tetrabench.bench.agenda import Agenda, Cell
 from tetrabench.bench.benchmark import GAUGED
 from tetrabench.bench.environment import usable_cores
+from tetrabench.bench.groups import BARE_BYTES, SHARE
 from tetrabench.bench.messages import Done, Failed, Skipped
 from tetrabench.bench.plan import Plan, Task
 from tetrabench.bench.ring import LONG_S, MOST_REPEATS, PREPARED_S, find_repeats
@@ -84,6 +86,78 @@ def test_a_contestant_whose_kernels_were_compiled_starts_anew_without_the_compil
     results = game.run(scripted_plan(launches=1))
     assert [worker.backend for worker in game.workers].count("v1") == 2
     assert results.backends[1].compile_s == 5.0
+
+
+def sweep_plan(count, contestants=2, **more):
+    """So many backends of one contestant, others between them, and the control."""
+    plan = scripted_plan(backends=count, **more)
+    backends = tuple(
+        msgspec.structs.replace(one, contestant=f"c{k % 10 if k % 10 < contestants else 0}", options={"capacity": k})
+        for k, one in enumerate(plan.backends)
+    )
+    return dataclasses.replace(plan, backends=backends)
+
+
+def test_of_many_backends_of_a_contestant_the_first_compiles_and_the_others_load(monkeypatch):
+    monkeypatch.setattr("tetrabench.bench.ring.usable_cores", lambda: [0])
+    compiled = set()
+
+    def tell(asked):
+        if asked.what != "warm":
+            return 0.1
+        kernels = (plan.backends[[one.name for one in plan.backends].index(asked.backend)].contestant, asked.task)
+        is_new = kernels not in compiled
+        compiled.add(kernels)
+        return Done(1.0 if is_new else 0.1, compiled=int(is_new))
+
+    plan = sweep_plan(20, contestants=3, launches=1, rounds=1)
+    game, diary = Play(tell), Diary()
+    results = game.run(plan, progress=diary)
+    begun = list(dict.fromkeys(asked.backend for asked in game.asked("open")))
+    assert begun[:3] == ["v0", "v1", "v2"]  # one of each contestant
+    assert begun[3:] == [*(f"v{k}" for k in range(3, 20)), "v0 control"]
+    assert [one.name for one in results.backends if one.compile_s == 2.0] == begun[:3]
+    steps = [step for step in diary.steps if step[0] in ("compiling", "loading what was compiled")]
+    assert len(steps) == 2 * (21 + 3)  # who compiled begins anew
+    assert {total for _, _, _, total, _ in steps} == {2 * 21}
+    assert max(done for _, _, done, _, _ in steps) == 2 * 21
+    assert [step[0] for step in steps].count("compiling") == 6
+
+
+def test_options_are_told_to_every_worker():
+    game = Play()
+    plan = dataclasses.replace(sweep_plan(20, launches=1, rounds=1), has_memory=True)
+    game.run(plan)
+    told = {one.name: one.options for one in plan.backends}
+    opened = [(asked.backend, request.options) for asked, request in game.log if asked.what == "open"]
+    assert len(opened) == 21 + 20  # to measure, to weigh
+    assert all(options == told[name] for name, options in opened)
+
+
+def test_a_ring_of_many_backends_in_groups(monkeypatch):
+    """20 backends of which six fit beside the reference and its control: each has all its turns, in balance."""
+    available = 8 * BARE_BYTES / SHARE + 1
+    monkeypatch.setattr("tetrabench.bench.benchmark.available_bytes", lambda: available)
+    plan = sweep_plan(20, launches=6, rounds=1)
+    diary = Diary()
+    results = play(plan, progress=diary)
+    compared = [one.name for one in plan.backends[1:-1]]
+    taken = Counter((one.backend, one.task, one.launch) for one in results.samples)
+    assert all(
+        taken[name, task, launch] == 1 for name in compared for task in ("first", "second") for launch in range(6)
+    )
+    assert {taken[name, "first", 0] for name in ("v0", "v0 control")} == {4}  # once in each group
+    assert {(one.launch, one.group) for one in results.launches} == {(k, group) for k in range(6) for group in range(4)}
+    assert {row.verdict for row in summary(results) if not row.control and row.backend != "v0"} == {"about"}
+    assert {one.launches for one in summary(results)} == {6}
+
+
+def test_the_turns_of_many_backends_are_in_balance():
+    """21 launches of one round: each of 20 backends and the control has each place once."""
+    results = play(sweep_plan(20, launches=21, rounds=1, tasks=("first",)))
+    places = Counter((one.backend, one.turn) for one in results.samples)
+    assert set(places.values()) == {1}
+    assert len(places) == 21 * 21
 
 
 # ---------------------------------------------------------------------- repeats

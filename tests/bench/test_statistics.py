@@ -385,6 +385,22 @@ def test_a_cell_that_ended_badly_has_no_figures(status, verdict):
     assert orphan.seconds == pytest.approx(np.median(NOISE))
 
 
+def test_a_wrong_answer_that_was_expected_is_no_failure_and_ranks_nowhere():
+    wrong = samples("v4", [[1.0]], status="wrong-result", reason="v4 says 1, most say 2")
+    run = results(samples("v3y", NOISE), wrong)
+    assert exit_code(run) == 3
+    run = msgspec.structs.replace(
+        run, backends=[msgspec.structs.replace(one, exact=one.name != "v4") for one in run.backends]
+    )
+    (found,) = (row for row in summary(run) if row.backend == "v4")
+    assert (found.verdict, found.status) == ("inexact", "wrong-result")
+    assert found.reason == "known to give wrong answers; v4 says 1, most say 2"
+    assert (found.ratio, found.seconds) == (None, None)
+    assert exit_code(run) == 0
+    crashed = [msgspec.structs.replace(one, status="crash") if one.backend == "v4" else one for one in run.samples]
+    assert exit_code(msgspec.structs.replace(run, samples=crashed)) == 3
+
+
 def test_of_several_bad_ends_the_worst_is_named():
     both = samples("v4", [[1.0]], status="skipped", reason="x") + samples("v4", [[1.0]], status="crash", reason="y")
     assert row("v4", samples("v3y", NOISE), both).reason == "y"

@@ -27,6 +27,7 @@ from tetrabench.bench.messages import (
 )
 from tetrabench.bench.spawn import WorkerDied, WorkerProcess
 from tetrabench.errors import InputError, TetrabenchError
+from tetrabench.protocols import Option
 
 pytestmark = pytest.mark.usefixtures("plugin")
 GOOD = ["steady", "other", "third"]
@@ -125,6 +126,52 @@ def test_every_bad_end_is_named_and_ends_its_own_cell_alone(capfd):
     output = capfd.readouterr()
     assert output.out == ""
     assert "hello" in output.err
+
+
+def test_options_reach_the_contestant_wherever_it_is_opened():
+    plan = make_plan(
+        "tiny",
+        family="scripted",
+        backends=["steady", "tuned"],
+        scenarios=["first"],
+        options={"capacity": [3, 9], "recycle": [0]},
+        launches=1,
+        rounds=1,
+    )
+    results = run_benchmark(dataclasses.replace(plan, has_yardsticks=False))
+    for capacity in (3, 9):
+        (sample,) = of(results, f"tuned capacity={capacity}")
+        assert (sample.status, sample.figures["capacity"], sample.figures["recycle"]) == ("ok", capacity, 0)
+        (memory,) = (one for one in results.memory if one.backend == sample.backend)
+        assert memory.structure == {"leaves": (capacity, 64)}
+    assert exit_code(results) == 0
+
+
+def test_series_are_checked_and_kept():
+    results = run("steady", "tuned", "ragged", "boundless", scenarios=["first", "second"])
+    assert of(results, "tuned", "second")[0].series == {"step": [10.0, 20.0], "step_s": [0.5, 0.25]}
+    assert {one.status for one in of(results, "tuned")} == {"ok"}
+    assert not any(one.series for one in results.samples if one.task == "first" or one.backend != "tuned")
+    assert [one.status for one in of(results, "ragged", "second")] == ["error"]
+    assert of(results, "ragged", "second")[0].reason == (
+        "series of one answer are all of one length, and these are not: step 2, step_s 1"
+    )
+    assert of(results, "boundless", "second")[0].reason == "series step_s: inf, at place 1, is no finite number"
+
+
+def test_a_contestant_that_is_known_to_be_wrong_is_shown_and_is_no_failure():
+    results = run("steady", "other", "careless")
+    rows = {(row.task, row.backend): row for row in summary(results)}
+    assert {one.status for one in of(results, "careless", "second")} == {"wrong-result"}
+    assert rows["second", "careless"].verdict == "inexact"
+    assert rows["second", "careless"].reason.startswith(
+        "known to give wrong answers; careless says bad0, most say 20: count 41 instead of 2"
+    )
+    assert rows["first", "careless"].status == "ok"
+    assert exit_code(results) == 0
+    assert exit_code(run("steady", "other", "wrong")) == 3
+    alone = run("steady", "careless", scenarios=["second"])  # one against one
+    assert [row.verdict for row in summary(alone)] == ["reference", "inexact"]
 
 
 class Killer:
@@ -284,6 +331,10 @@ def test_a_guide_in_another_process():
     with Inquiry() as guide:
         facts = guide.describe("scripted")
         assert facts.reference == "steady"
+        tuned, careless = facts.contestants[-2:]
+        assert (tuned.name, tuned.exact) == ("tuned", True)
+        assert tuned.options["capacity"] == Option(8, 1, 63, "letters that a leaf holds")
+        assert (careless.name, careless.exact, careless.options) == ("careless", False, {})
         assert [one.name for one in facts.scenarios] == ["first", "second", "third", "many"]
         assert [one.parallel for one in facts.scenarios] == [False, False, False, True]
         found = guide.find_model(Find("scripted", "tiny"))
