@@ -8,6 +8,7 @@ from matplotlib.ticker import MaxNLocator
 from tetrabench.report.style import Style
 
 QUIET, ALARM = "#777777", "#a00000"
+MOST = 12  # figures that stand upright side by side
 QUIET_WORDS = ("too short", "skipped", "cannot", "no ref.", "no figure", "missing")
 
 
@@ -19,10 +20,11 @@ def draw_bars(axes: Axes, sizes: Mapping[str, float | str], styles: Mapping[str,
             write_word(axes, x, size)
         else:
             axes.bar(x, size, 0.92 * width_of(len(sizes)), zorder=2, **styles[name].paint)
-            axes.text(x, size + 0.02 * top, f"{size:,.0f}", fontsize=8, ha="center", va="bottom")
+            turned = 90 if len(sizes) > MOST else 0
+            axes.text(x, size + 0.02 * top, f"{size:,.0f}", fontsize=8, ha="center", va="bottom", rotation=turned)
     axes.set_xticks(spots, [styles[name].name for name in sizes])
     axes.set_xlim(-0.5, 0.5)
-    axes.set_ylim(0.0, 1.12 * top)
+    axes.set_ylim(0.0, (1.3 if len(sizes) > MOST else 1.12) * top)
     axes.spines[["top", "right"]].set_visible(False)
     axes.tick_params(axis="x", length=0)
     axes.yaxis.set_major_locator(MaxNLocator(5))

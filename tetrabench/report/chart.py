@@ -1,45 +1,42 @@
 """The charts of a run: time by task and memory, after the source's figures 10 and 11, and growth over sizes."""
 
 import textwrap
-from collections.abc import Callable, Mapping, Sequence
-from itertools import chain
+from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
-from typing import Any
 
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.font_manager import FontProperties
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.textpath import TextPath
 
 from tetrabench.bench.record import Results
-from tetrabench.bench.statistics import ALIKE, CLEAR, Row, summary
+from tetrabench.bench.statistics import ALIKE, CLEAR, Row, summary, summary_against
 from tetrabench.errors import InputError
-from tetrabench.report.bars import ALARM, draw_bars
+from tetrabench.report.bars import draw_bars
+from tetrabench.report.canvas import SMALL, WIDTH, Sign, legend_of, make_figure
 from tetrabench.report.cells import MISSING, ratio_of, word_of
+from tetrabench.report.curves import curves_over_counts, curves_over_options
 from tetrabench.report.dots import CONTROL, Dot, draw_dots, find_ends
+from tetrabench.report.line_charts import draw_curves, draw_series
 from tetrabench.report.memory import memory_of
-from tetrabench.report.notes import FOREIGN, about_clock, about_end, about_machine, fewer_than_asked
+from tetrabench.report.notes import about_clock, about_machine, fewer_than_asked
 from tetrabench.report.parts import Part, make_parts
+from tetrabench.report.series import courses_of
 from tetrabench.report.style import EDGE, Style, make_styles
 from tetrabench.report.units import counted, duration
 
-WIDTH = 11.0  # inches
 PANEL = 6  # groups of dots side by side
-PANEL_HEIGHT = 3.2  # inches
+DOTS = 48  # dots, or bars, side by side
 CURVES = 4  # panels of curves side by side
-SMALL = 9  # points, of the legend
-LONGEST = 64  # characters in a line of the legend
-LEGEND_GAPS = 0.85  # inches of a column of the legend that are no words
 LETTER = 0.09  # inches, of a name below a bar
-Handle = Patch | Line2D  # a sign in the legend
 
 
 def draw_charts(results: Results, folder: Path, suffix: str = ".png") -> list[Path]:
     """Write the charts of a run in the format of the suffix; their paths.
 
-    `times` and `memory`, for each model (and each reference) where there are several; `growth` over several sizes.
+    `times` and `memory`, for each model (and each reference) where there are several; `growth` over several sizes;
+    `series` of each model and task, of what was told along the run; `option` over each option of a contestant that has
+    several values, and over each count of a scenario.
 
     Raises:
         InputError: the folder cannot be written to.
@@ -52,6 +49,12 @@ def draw_charts(results: Results, folder: Path, suffix: str = ".png") -> list[Pa
             charts["-".join(filter(None, ("memory", part.name)))] = draw_memory(part)
     if len({next(iter(model.size.values()), 0) for model in results.models}) > 1:
         charts["growth"] = draw_growth(results, rows)
+    for course in courses_of(results, rows):
+        charts[f"series-{course.model}-{course.task}"] = draw_series(results, course)
+    against = cache(lambda base: summary_against(results, base))
+    for curves in curves_over_options(results, rows, against) + curves_over_counts(results, rows):
+        words = ("option", curves.model, curves.task, curves.contestant, curves.option)
+        charts["-".join(filter(None, words))] = draw_curves(results, curves)
     paths = [folder / f"{name.replace('/', '-').replace(' ', '-')}{suffix}" for name in charts]
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -67,14 +70,15 @@ def draw_times(part: Part) -> Figure:
     styles = _styles_of(part)
     groups = {task: {name: _dot(part, task, name) for name in styles} for task in part.tasks}
     tasks = part.tasks
-    pieces = [tasks[start : start + PANEL] for start in range(0, len(tasks), PANEL)] or [[]]
+    aside = min(PANEL, max(1, DOTS // max(1, len(styles))))
+    pieces = [tasks[start : start + aside] for start in range(0, len(tasks), aside)] or [[]]
     title = f"{part.model.name}: time, compared with {part.reference}"
     dots = [dot for group in groups.values() for dot in group.values()]
     is_compared = any(
         dot.ratio is not None for dots in groups.values() for name, dot in dots.items() if name != part.reference
     )
     caption = _times_caption(part, dots, is_compared=is_compared)
-    figure, panels = _make_figure(part.results, title, caption, styles, len(pieces), 1, _dot_sign)
+    figure, panels = make_figure(part.results, title, caption, legend_of(styles, _dot_sign), len(pieces), 1)
     band = ALIKE if part.has_intervals else CLEAR
     ends = find_ends(list(groups.values()))
     for axes, piece in zip(panels, pieces, strict=True):
@@ -83,7 +87,7 @@ def draw_times(part: Part) -> Figure:
         axes.axhline(1.0, color=EDGE, linewidth=0.8, zorder=1)
         draw_dots(axes, [groups[task] for task in piece], styles, ends)
         axes.set_xticks(range(len(piece)), [_label(part, task) for task in piece])
-        axes.set_xlim(-0.5, max(1, min(PANEL, len(tasks))) - 0.5)
+        axes.set_xlim(-0.5, max(1, min(aside, len(tasks))) - 0.5)
         axes.set_ylabel(f"time, multiple of {part.reference}'s")
     return figure
 
@@ -98,14 +102,18 @@ def draw_memory(part: Part) -> Figure:
     }
     kinds = memory_of(part)
     caption = f"{part.title}. {about_machine(part.results)}."
-    figure, panels = _make_figure(part.results, f"{part.model.name}: memory", caption, styles, 1, len(kinds), _bar_sign)
+    title = f"{part.model.name}: memory"
+    aside = len(kinds) if len(kinds) * len(styles) <= DOTS else 1
+    legend = legend_of(styles, _bar_sign)
+    figure, panels = make_figure(part.results, title, caption, legend, len(kinds) // aside, aside)
     top = max(size for sizes in kinds.values() for size in sizes.values() if not isinstance(size, str))
     for axes, (kind, sizes) in zip(panels, kinds.items(), strict=True):
         draw_bars(axes, {name: sizes[name] for name in styles}, styles, top=top)
         axes.set_title(titles[kind], fontsize=10)
-        if LETTER * max(len(style.name) for style in styles.values()) > 0.7 * WIDTH / len(kinds) / len(styles):
-            axes.tick_params(axis="x", labelrotation=90)
-    panels[0].set_ylabel(f"bytes a {part.item}")
+        if LETTER * max(len(style.name) for style in styles.values()) > 0.7 * WIDTH / aside / len(styles):
+            axes.tick_params(axis="x", labelrotation=90, labelsize=SMALL)
+    for axes in panels[::aside]:
+        axes.set_ylabel(f"bytes a {part.item}")
     return figure
 
 
@@ -123,7 +131,8 @@ def draw_growth(results: Results, rows: Sequence[Row]) -> Figure:
         f"the size.{middle} No figure where a cell went wrong."
     )
     title = "Time of an item over the size of the model"
-    figure, panels = _make_figure(results, title, caption, styles, height, min(CURVES, max(1, len(tasks))), _line_sign)
+    columns = min(CURVES, max(1, len(tasks)))
+    figure, panels = make_figure(results, title, caption, legend_of(styles, _line_sign), height, columns)
     for axes, task in zip(panels, tasks, strict=False):
         for name, style in styles.items():
             points = sorted(
@@ -146,15 +155,15 @@ def _styles_of(part: Part) -> dict[str, Style]:
     return {name: style for name, style in make_styles(part.results).items() if name in names}
 
 
-def _dot_sign(style: Style) -> Handle:
+def _dot_sign(style: Style) -> Sign:
     return Line2D([], [], **style.dot)
 
 
-def _line_sign(style: Style) -> Handle:
+def _line_sign(style: Style) -> Sign:
     return Line2D([], [], **style.line)
 
 
-def _bar_sign(style: Style) -> Handle:
+def _bar_sign(style: Style) -> Sign:
     return Patch(**style.paint)
 
 
@@ -199,74 +208,3 @@ def _times_caption(part: Part, dots: Sequence[Dot], *, is_compared: bool) -> str
     if any(not dot.is_solid for dot in dots):
         said.append("Hollow: not ranked.")
     return " ".join(said)
-
-
-def _make_figure(
-    results: Results,
-    title: str,
-    caption: str,
-    styles: Mapping[str, Style],
-    rows: int,
-    columns: int,
-    sign: Callable[[Style], Handle],
-) -> tuple[Figure, list[Axes]]:
-    """A figure with its title, its legend and its caption, and room for the panels."""
-    if any(style.name.endswith("*") for style in styles.values()):
-        caption += f" {FOREIGN}"
-    titles = textwrap.wrap(title, 80) + ([about_end(results)] if results.ended else [])
-    entries = _legend_columns(styles)
-    filled = textwrap.fill(caption.replace(" %", "\N{NO-BREAK SPACE}%"), 180)
-    heads = 0.1 + 0.22 * len(titles)  # inches
-    above = heads + 0.15 + 0.19 * max(map(_lines, entries), default=0)
-    height, foot = PANEL_HEIGHT * rows, 0.15 + 0.15 * (1 + filled.count("\n"))
-    figure = Figure(figsize=(WIDTH, above + height + foot), layout="constrained")
-    parts: Any = figure.subfigures(3, 1, height_ratios=(above, height, foot))
-    heading, body, bottom = parts
-    for place, line in enumerate(titles):
-        colour = ALARM if results.ended and place == len(titles) - 1 else "black"
-        look = {"fontsize": 13, "fontweight": "bold", "ha": "left", "va": "top"}
-        heading.text(0.01, 1 - (0.08 + 0.22 * place) / above, line, color=colour, **look)
-    _add_legend(heading, entries, 1 - heads / above, sign)
-    bottom.text(0.01, 0.9, filled, ha="left", va="top", fontsize=8, color="#444444")
-    return figure, list(body.subplots(rows, columns, squeeze=False).flat)
-
-
-Entries = list[tuple[str, Style]]  # words in the legend, and how they look
-
-
-def _legend_columns(styles: Mapping[str, Style]) -> list[Entries]:
-    """A column a layout, or several layouts in a column where that is too wide."""
-    layouts: dict[str, Entries] = {}
-    for style in styles.values():
-        layouts.setdefault(style.layout, []).append((textwrap.fill(f"{style.name}: {style.title}", LONGEST), style))
-    each = list(layouts.values())
-    columns: list[Entries] = []
-    for share in range(1, len(each) + 1):
-        columns = [list(chain(*each[start : start + share])) for start in range(0, len(each), share)]
-        if sum(LEGEND_GAPS + max(_width(words) for words, _ in column) for column in columns) < WIDTH:
-            break
-    return columns
-
-
-def _lines(column: Entries) -> int:
-    return sum(1 + words.count("\n") for words, _ in column)
-
-
-def _width(words: str) -> float:
-    """Of words in the legend, inches."""
-    small = FontProperties(size=SMALL)
-    return max(float(TextPath((0, 0), line, prop=small).get_extents().width) for line in words.split("\n")) / 72
-
-
-def _add_legend(figure: Any, columns: list[Entries], top: float, sign: Callable[[Style], Handle]) -> None:
-    longest = max(map(len, columns), default=0)
-    handles: list[Handle] = []
-    labels = []
-    for column in columns:
-        gap = longest - len(column)
-        handles += [sign(style) for _, style in column]
-        handles += [Patch(alpha=0.0)] * gap
-        labels += [words for words, _ in column] + [""] * gap
-    if handles:
-        look: Any = {"ncols": len(columns), "loc": "upper left", "frameon": False, "fontsize": SMALL, "handlelength": 3}
-        figure.legend(handles, labels, bbox_to_anchor=(0.0, top), **look)
