@@ -506,7 +506,7 @@ def _panel(curve: Curve, traced: Mapping[str, Traced], figure: Figure, source: S
     first = next(iter(traced.values()))
     return Panel(
         name=curve.name,
-        title=", ".join(filter(None, (curve.name, curve.title))),
+        title=curve.title,
         run=first.run.command,
         about=_about_panel(curve, first, source),
         lines=[

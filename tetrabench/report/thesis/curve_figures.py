@@ -11,6 +11,7 @@ from typing import Any
 import msgspec
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator, StrMethodFormatter
 
 from tetrabench.bench.record import Backend, Results
 from tetrabench.report.style import Style, make_styles
@@ -20,10 +21,11 @@ from tetrabench.report.units import two_digits
 WIDTH, HEIGHT = 11.0, 5.2  # inches
 SECOND = 2.4  # inches, of a row of counts
 FAR = 30.0
-"""Where times differ by so many times, the axis is logarithmic."""
+"""Where times differ by so many times, they are far apart."""
 MARKS = 10
 """So many points of a line carry its marker, about."""
 SAID = "#888888"
+THOUSANDS = StrMethodFormatter("{x:,.0f}")
 
 
 def draw_curves(comparison: Comparison, results: Results) -> dict[str, Figure]:
@@ -56,12 +58,12 @@ def draw_curve_figure(drawn: DrawnAnew, results: Results) -> Figure:
         for axes, panel in zip(row, drawn.panels, strict=True):
             _draw_counts(axes, panel, styles)
     grid[0][0].set_ylabel(drawn.up)
+    _scale(grid[0][0], drawn)
     if drawn.count:
         grid[1][0].set_ylabel(drawn.count)
-    _scale(grid[0][0], drawn)
+        grid[1][0].set_ylim(bottom=0.0)
     for axes in grid[-1]:
         axes.set_xlabel(drawn.across)
-    figure.suptitle(f"{drawn.name.capitalize()} of the source, today: {drawn.caption}", fontsize=11, x=0.01, ha="left")
     _add_legend(figure, drawn, styles)
     figure.supxlabel(textwrap.fill(_caption(drawn), 175), fontsize=8, color="#444444", x=0.01, ha="left")
     return figure
@@ -111,7 +113,8 @@ def _draw_times(axes: Axes, drawn: DrawnAnew, panel: Panel, styles: Mapping[str,
             linewidth=0,
         )
     if len(drawn.panels) > 1:
-        axes.set_title(textwrap.fill(panel.title, 30), fontsize=9)
+        axes.set_title(f"{panel.name}\n{panel.title}", fontsize=9)
+        axes.xaxis.set_major_locator(MaxNLocator(3))
     if drawn.is_log:
         axes.set_xscale("log")
     _tidy(axes)
@@ -122,7 +125,7 @@ def _draw_counts(axes: Axes, panel: Panel, styles: Mapping[str, Style]) -> None:
         counted = [(point.place, point.count) for point in line.points if point.count is not None]
         if counted:
             axes.plot(*zip(*counted, strict=True), **_look(line, styles[line.contestant]))
-    axes.set_ylim(bottom=0.0)
+    axes.yaxis.set_major_formatter(THOUSANDS)
     _tidy(axes)
 
 
@@ -133,14 +136,15 @@ def _tidy(axes: Axes) -> None:
 
 
 def _scale(axes: Axes, drawn: DrawnAnew) -> None:
-    """From zero, unless times are far apart."""
+    """From zero; logarithmic, beside a logarithmic axis below, where times are far apart."""
     times = [point.time for line in _lines(drawn) for point in line.points]
-    if max(times) > FAR * min(times):
+    if drawn.is_log and max(times) > FAR * min(times):
         axes.set_yscale("log")
     else:
         axes.set_ylim(bottom=0.0)
     if not drawn.is_log:
         axes.set_xlim(left=0.0)
+        axes.xaxis.set_major_formatter(THOUSANDS)
 
 
 def _add_legend(figure: Figure, drawn: DrawnAnew, styles: Mapping[str, Style]) -> None:
@@ -151,8 +155,9 @@ def _add_legend(figure: Figure, drawn: DrawnAnew, styles: Mapping[str, Style]) -
         axes.plot([], [], **{**_look(line, styles[name]), "markevery": None}, label=words_of(line))[0]
         for name, line in lines.items()
     ]
-    look: Any = {"ncols": min(3, len(handles)), "frameon": False, "fontsize": 9, "handlelength": 3}
-    figure.legend(handles=handles, loc="outside upper left", **look)
+    title = f"{drawn.name.capitalize()} of the source, today: {drawn.caption}"
+    look: Any = {"ncols": min(2, len(handles)), "frameon": False, "fontsize": 9, "handlelength": 3}
+    figure.legend(handles=handles, title=title, loc="outside upper left", alignment="left", **look)
 
 
 def words_of(line: Drawn) -> str:

@@ -132,6 +132,8 @@ class Asked:
         points = {point.place: point for point in self._points(curve)}
         if place not in points or other not in points:
             return None
+        if place == other:
+            return _exact(1.0, 1.0)
         return self.traced[curve].ratio(points[place], points[other])
 
     def grown(self, curve: str, count: str = "") -> Interval | None:

@@ -25,6 +25,7 @@ from tetrabench.report.thesis.comparison import (
     Entry,
     Held,
     Judged,
+    Outcome,
     SetAnew,
     Subject,
     compare_with_source,
@@ -205,12 +206,12 @@ def _overview(comparison: Comparison) -> Table:
     for judged in comparison.findings:
         found = {one.subject: one for one in judged.outcomes}
         cells = [
-            Text(found[one].outcome, CLASSES[found[one].outcome]) if one in found else Text("-")
+            Text(_verdict(comparison, found[one]), CLASSES[found[one].outcome]) if one in found else Text("-")
             for one in comparison.asked
         ]
         rows.append([Text(judged.claim, "claim"), Text(judged.section), *cells])
     head = ["the source says", "in its section", *comparison.asked]
-    what = "model by model" if comparison.subjects else "by whom they are asked of"
+    what = "contestant by contestant" if comparison.drawn else "model by model"
     return Table(f"Findings of the source, {what}", head, rows, names=2)
 
 
@@ -221,8 +222,17 @@ def _evidence(comparison: Comparison, judged: Judged) -> Items:
     lead = [Text(judged.claim, "claim")]
     lead += [Text(" ".join(filter(None, [f"Asked: {judged.asked}.", judged.remark, *own])))]
     return Items(
-        [Text(f"{one.subject}: {one.outcome}. {one.evidence}.", CLASSES[one.outcome]) for one in judged.outcomes], lead
+        [
+            Text(f"{one.subject}: {_verdict(comparison, one)}. {one.evidence}.", CLASSES[one.outcome])
+            for one in judged.outcomes
+        ],
+        lead,
     )
+
+
+def _verdict(comparison: Comparison, outcome: Outcome) -> str:
+    """In words; what is asked of curves has no earlier figures that it could have held for."""
+    return "does not hold" if comparison.drawn and outcome.outcome == "holds no longer" else outcome.outcome
 
 
 def _about(comparison: Comparison, subject: Subject) -> Iterator[Block]:
