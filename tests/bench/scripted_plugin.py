@@ -137,7 +137,7 @@ class Scenario:
 SERIES = {
     "tuned": {"step": [10, 20], "step_s": (0.5, 0.25)},
     "ragged": {"step": [10, 20], "step_s": [0.5]},
-    "boundless": {"step": [10, 20], "step_s": [0.5, float("inf")]},
+    "boundless": {"step": [10, 20], "step_s": [float("inf"), 0.5]},
 }
 """By contestant."""
 

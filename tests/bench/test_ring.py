@@ -88,11 +88,11 @@ def test_a_contestant_whose_kernels_were_compiled_starts_anew_without_the_compil
     assert results.backends[1].compile_s == 5.0
 
 
-def sweep_plan(count, contestants=2, **more):
-    """So many backends of one contestant, others between them, and the control."""
+def sweep_plan(count, **more):
+    """So many backends, the first seven of one contestant, the next seven of another, ...; and the control."""
     plan = scripted_plan(backends=count, **more)
     backends = tuple(
-        msgspec.structs.replace(one, contestant=f"c{k % 10 if k % 10 < contestants else 0}", options={"capacity": k})
+        msgspec.structs.replace(one, contestant=f"c{k % count // 7}", options={"capacity": k})
         for k, one in enumerate(plan.backends)
     )
     return dataclasses.replace(plan, backends=backends)
@@ -110,12 +110,12 @@ def test_of_many_backends_of_a_contestant_the_first_compiles_and_the_others_load
         compiled.add(kernels)
         return Done(1.0 if is_new else 0.1, compiled=int(is_new))
 
-    plan = sweep_plan(20, contestants=3, launches=1, rounds=1)
+    plan = sweep_plan(20, launches=1, rounds=1)
     game, diary = Play(tell), Diary()
     results = game.run(plan, progress=diary)
     begun = list(dict.fromkeys(asked.backend for asked in game.asked("open")))
-    assert begun[:3] == ["v0", "v1", "v2"]  # one of each contestant
-    assert begun[3:] == [*(f"v{k}" for k in range(3, 20)), "v0 control"]
+    assert begun[:3] == ["v0", "v7", "v14"]  # one of each contestant
+    assert begun[3:] == [*(f"v{k}" for k in range(20) if k % 7), "v0 control"]
     assert [one.name for one in results.backends if one.compile_s == 2.0] == begun[:3]
     steps = [step for step in diary.steps if step[0] in ("compiling", "loading what was compiled")]
     assert len(steps) == 2 * (21 + 3)  # who compiled begins anew

@@ -156,7 +156,7 @@ def test_series_are_checked_and_kept():
     assert of(results, "ragged", "second")[0].reason == (
         "series of one answer are all of one length, and these are not: step 2, step_s 1"
     )
-    assert of(results, "boundless", "second")[0].reason == "series step_s: inf, at place 1, is no finite number"
+    assert of(results, "boundless", "second")[0].reason == "series step_s: inf, at place 0, is no finite number"
 
 
 def test_a_contestant_that_is_known_to_be_wrong_is_shown_and_is_no_failure():
