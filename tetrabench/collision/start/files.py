@@ -11,27 +11,27 @@ Else the box is as large as what the circles reach from the origin.
 """
 
 import contextlib
+import itertools
 import math
 import os
 import tempfile
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from tetrabench.collision.objects import Floats, Objects, Start, check_box, make_objects
 from tetrabench.collision.start.models import MASS, MODELS, RADIUS
-from tetrabench.errors import InputError, find_named
+from tetrabench.errors import InputError
 from tetrabench.io import is_file, known_suffix
 from tetrabench.memory import refuse_if_too_large
 
 EXACT, TABLE = ".npz", ".csv"
 DEFAULTS = {"vx": 0.0, "vy": 0.0, "r": RADIUS, "m": MASS}
 BOX, SOURCE = "box", "source"
-TABLE_ROOM = 4  # bytes of memory for each byte of a file, measured
+EXACT_ROOM, TABLE_ROOM = 3, 200  # bytes of memory for each byte of a file, and for each line: measured, rounded up
 
 
 def read_objects(path: str | os.PathLike[str]) -> Start:
@@ -97,7 +97,7 @@ def holds_objects(path: str | os.PathLike[str]) -> bool:
     suffix = Path(path).suffix.lower()
     if suffix == EXACT:
         try:
-            with np.load(path) as archive:
+            with open(path, "rb") as file, np.load(file) as archive:
                 return {*Objects._fields, BOX} <= {*archive.files}
         except Exception:  # no file, or damaged: whoever reads it says so
             return False
@@ -109,11 +109,14 @@ def holds_objects(path: str | os.PathLike[str]) -> bool:
 
 def read_exact(path: Path) -> Start:
     """Read what `write_exact` wrote; sums in the file tell damage."""
-    refuse_if_too_large(f"{path}", path.stat().st_size)
+    refuse_if_too_large(f"reading {path}", EXACT_ROOM * path.stat().st_size)
     try:
-        with np.load(path) as archive:
+        with path.open("rb") as file, np.load(file) as archive:
             is_other = not {*Objects._fields, BOX, SOURCE} <= {*archive.files}
-            arrays = {} if is_other else {name: archive[name] for name in archive.files}
+            if not is_other:
+                columns = [archive[name] for name in Objects._fields]
+                width, height = map(float, archive[BOX])
+                source = archive[SOURCE].tobytes().decode(errors="surrogateescape")
     except OSError:
         raise
     except Exception as error:  # numpy and zipfile raise anything
@@ -121,10 +124,8 @@ def read_exact(path: Path) -> Start:
     if is_other:
         raise InputError(f"{path}: holds no objects as tetrabench writes them; other programs can write {TABLE}")
     with told_of(path):
-        objects = make_objects(*(arrays[name] for name in Objects._fields))
-        width, height = arrays[BOX].tolist()
         check_box(width, height)
-    return Start(objects, width, height, arrays[SOURCE].tobytes().decode(errors="surrogateescape"))
+        return Start(make_objects(*columns), width, height, source)
 
 
 def write_exact(start: Start, path: Path) -> None:
@@ -140,27 +141,19 @@ def write_exact(start: Start, path: Path) -> None:
 
 def read_table(path: Path) -> Start:
     """Read a table of numbers, whoever wrote it."""
-    refuse_if_too_large(f"reading {path}", TABLE_ROOM * path.stat().st_size)
+    with path.open("rb") as file:
+        refuse_if_too_large(f"reading {path}", TABLE_ROOM * sum(1 for _ in file))
     box = read_box(path)
-    names = [name.strip() for name in load_table(path, dtype=str, nrows=0).columns]
-    for name in names:
-        with told_of(path):
-            find_named("column", dict.fromkeys(Objects._fields), name)
-    missing = [name for name in Objects._fields if name not in names and name not in DEFAULTS]
-    if missing:
-        raise InputError(
-            f"{path}: no column {' and no column '.join(missing)}; the line of names has {', '.join(names)}"
-        )
+    line, names = read_names(path)
     try:
-        table = load_table(path, dtype=np.float64, float_precision="round_trip")
-    except ValueError as error:
-        raise InputError(find_fault(path) or f"{path}: cannot be read as numbers: {error}") from error
-    table.columns = pd.Index(names)
-    columns: dict[str, Any] = {**DEFAULTS, **{name: table[name].to_numpy() for name in names}}
-    try:
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", "loadtxt: input contained no data")
+            table = np.loadtxt(path, delimiter=",", skiprows=line, ndmin=2, encoding="utf-8")
+        table = table if table.size else np.empty((0, len(names)))
+        columns: dict[str, Any] = {**DEFAULTS, **dict(zip(names, table.T, strict=True))}
         objects = make_objects(**columns)
-    except InputError as error:
-        raise InputError(find_fault(path) or f"{path}: {error}") from error
+    except (InputError, ValueError) as error:
+        raise InputError(find_fault(path, names) or f"{path}: {error}") from error
     if box is None:
         box = reach(objects.x, objects.r), reach(objects.y, objects.r)
         if min(box) <= 0:
@@ -172,59 +165,46 @@ def read_table(path: Path) -> Start:
     return Start(objects, *box, source=str(path))
 
 
-def reach(centre: Floats, r: Floats) -> float:
-    """How far circles reach along an axis; 0 where there is none."""
-    return float(np.max(centre + r, initial=0.0))
-
-
-def write_table(start: Start, path: Path) -> None:
-    """As few digits as tell a number from all others."""
-    with path.open("w", encoding="utf-8", newline="") as file:
-        file.write(f"# {BOX} {float(start.width)!r} {float(start.height)!r}\n")
-        pd.DataFrame(start.objects._asdict()).to_csv(file, index=False, lineterminator="\n")
-
-
 def read_box(path: Path) -> tuple[float, float] | None:
     """What the first line says of the box, None where it says nothing."""
     with path.open(encoding="utf-8-sig", errors="replace") as file:
-        words = file.readline(1000).partition("#")
-    if words[0].strip() or words[2].split()[:1] != [BOX]:
+        before, _, words = file.readline().partition("#")
+    if before.strip() or words.split()[:1] != [BOX]:
         return None
     try:
-        width, height = map(float, words[2].split()[1:])
+        width, height = map(float, words.split()[1:])
     except ValueError as error:
         raise InputError(f"{path}:1: a box is written as # box WIDTH HEIGHT, in numbers") from error
     return width, height
 
 
-def load_table(path: Path, **words: Any) -> pd.DataFrame:
-    """What pandas makes of the file."""
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error", pd.errors.ParserWarning)
-            return pd.read_csv(
-                path,
-                comment="#",
-                skipinitialspace=True,
-                index_col=False,
-                encoding="utf-8-sig",
-                memory_map=True,
-                **words,
-            )
-    except pd.errors.EmptyDataError as error:
-        raise InputError(f"{path}: holds no line of names, such as {','.join(Objects._fields)}") from error
-    except (pd.errors.ParserError, pd.errors.ParserWarning) as error:
-        reason = " ".join(str(error).split()).removeprefix("Error tokenizing data. C error: ")
-        raise InputError(f"{path}: cannot be read as a table: {reason}") from error
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: cannot be read as a table: it is no text") from error
+def read_names(path: Path) -> tuple[int, list[str]]:
+    """The line of names, counted from 1, and the columns that it names."""
+    line, names = next(rows_of(path), (0, []))
+    if not names:
+        raise InputError(f"{path}: holds no line of names, such as {','.join(Objects._fields)}")
+    for name in names:
+        if name not in Objects._fields or names.count(name) > 1:
+            raise InputError(f"{path}:{line}: {name!r} is no column; they are {', '.join(Objects._fields)}, each once")
+    for name in Objects._fields:
+        if name not in names and name not in DEFAULTS:
+            raise InputError(f"{path}:{line}: there is no column {name}")
+    return line, names
 
 
-def find_fault(path: Path) -> str | None:
+def rows_of(path: Path) -> Iterator[tuple[int, list[str]]]:
+    """The lines with something in them: their numbers, counted from 1, and their words."""
+    with path.open(encoding="utf-8-sig", errors="replace") as file:
+        for line, text in enumerate(file, 1):
+            if held := text.partition("#")[0].strip():
+                yield line, [word.strip() for word in held.split(",")]
+
+
+def find_fault(path: Path, names: Sequence[str]) -> str | None:
     """Say what is wrong with the first object that cannot be taken; None where nothing is found."""
-    table = load_table(path, dtype=str, keep_default_na=False)
-    names = [name.strip() for name in table.columns]
-    for row, words in enumerate(table.itertuples(index=False)):
+    for line, words in itertools.islice(rows_of(path), 1, None):
+        if len(words) != len(names):
+            return f"{path}:{line}: {len(words)} values, and the columns are {', '.join(names)}"
         for name, word in zip(names, words, strict=True):
             try:
                 number = float(word)
@@ -232,18 +212,22 @@ def find_fault(path: Path) -> str | None:
                 number = math.nan
             if not math.isfinite(number) or (name in ("r", "m") and number <= 0):
                 demand = "a finite number above 0" if name in ("r", "m") else "a finite number"
-                found = f"not '{word}'" if isinstance(word, str) and word.strip() else "and there is none"
-                return f"{path}:{line_of(path, row)}: {name} has to be {demand}, {found}"
+                return f"{path}:{line}: {name} has to be {demand}, {f'not {word!r}' if word else 'and there is none'}"
     return None
 
 
-def line_of(path: Path, row: int) -> int:
-    """The line, counted from 1, of a row of the table."""
-    with path.open(encoding="utf-8-sig", errors="replace") as file:
-        lines = (number for number, line in enumerate(file, 1) if line.partition("#")[0].strip())
-        for _ in range(row + 1):  # that of names is one of them
-            next(lines)
-        return next(lines)
+def reach(centre: Floats, r: Floats) -> float:
+    """How far circles reach along an axis; 0 where there is none."""
+    return float(np.max(centre + r, initial=0.0))
+
+
+def write_table(start: Start, path: Path) -> None:
+    """As few digits as tell a number from all others."""
+    with path.open("w", encoding="utf-8", newline="\n") as file:
+        file.write(f"# {BOX} {float(start.width)!r} {float(start.height)!r}\n")
+        file.write(",".join(Objects._fields) + "\n")
+        columns = (column.tolist() for column in start.objects)
+        file.writelines(",".join(map(repr, row)) + "\n" for row in zip(*columns, strict=True))
 
 
 @contextlib.contextmanager

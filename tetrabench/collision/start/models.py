@@ -34,7 +34,7 @@ CLUSTER = 0.1
 MOST_OBJECTS = 2**31 - 1
 """Up to here numbers of objects have room in 32 bits."""
 
-BYTES = 250
+BYTES = 160
 """Memory taken at the peak for each object, measured on all models in all numberings, rounded up."""
 
 
@@ -80,7 +80,7 @@ def generate_objects(name: str, count: int | None = None, *, numbering: str = "n
     side = math.sqrt(ROOM * max(wanted, 1))
     x, y, r = model.place(wanted, side, random)
     vx, vy = SLOWEST + PACE * random.integers(PACES, size=(2, wanted))
-    objects = make_objects(x, y, vx, vy, r, MASS * (r / RADIUS) ** 2)  # all of one matter
+    objects = make_objects(x, y, vx, vy, r, MASS * r * r / RADIUS**2)  # all of one matter
     source = f"{name}: {wanted:,} objects, {model.title}, in a box of {side:,.0f} x {side:,.0f}"
     return renumber_objects(Start(objects, side, side, source), numbering, seed)
 
