@@ -33,9 +33,7 @@ def judge(samples: Iterable[Sample], backends: Iterable[Backend]) -> list[Sample
     wavering = {place: _wavering(cell) for place, cell in cells.items()}
     return [
         _mark(sample, right[place], cells[place], sample.backend in wavering[place])
-        if votes[place]
-        else _mark_unseen(sample)
-        if sample.backend in inexact
+        if votes[place] or sample.backend in inexact
         else sample
         for sample in samples
         if (place := (sample.model, sample.task))
@@ -75,13 +73,6 @@ def _mark(sample: Sample, right: Sample | None, cell: list[Sample], wavers: bool
     if wavers:
         return msgspec.structs.replace(sample, status="unstable", reason=f"not always the same answer; {reason}")
     return msgspec.structs.replace(sample, status="wrong-result", reason=reason)
-
-
-def _mark_unseen(sample: Sample) -> Sample:
-    """A sample of a contestant that is known to be wrong, where nobody else says what would be right."""
-    if sample.status != "ok":
-        return sample
-    return msgspec.structs.replace(sample, status="wrong-result", reason="nobody else says what would be right")
 
 
 def _difference(found: Figures, right: Figures) -> str:
