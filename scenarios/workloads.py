@@ -6,6 +6,29 @@ A mix says how often: in sweeps where a scenario consists of sweeps, else how ma
 
 from tetrabench.protocols import Workload
 
+COLLISION = [
+    Workload(
+        name="gas",
+        title="built once, then many steps of objects that stay spread",
+        mix={"build": 1, "motion.steps": 10_000},
+    ),
+    Workload(
+        name="granular",
+        title="built once, then many steps under gravity, until all lies at the bottom",
+        mix={"build": 1, "gravity.steps": 10_000},
+    ),
+    Workload(
+        name="game",
+        title="built once, then steps with all contacts, and a hundred rectangles asked for in each",
+        mix={"build": 1, "impulses.steps": 1_000, "windows.queries": 100_000},
+    ),
+    Workload(
+        name="once",
+        title="built for one question: which objects touch",
+        mix={"build": 1, "motion.steps": 1},
+    ),
+]
+
 POLYGON = [
     Workload(
         name="lagrangian",

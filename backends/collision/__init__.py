@@ -20,7 +20,7 @@ from tetrabench.protocols import Option
 
 __all__ = ["CONTESTANTS", "STRUCTURES", "follow", "search"]
 
-_SOURCE = "T. Vidmar (?)"
+_SOURCE = "Optimizacija zaznave trkov v 2D, Slovenia, 2025"
 
 _TREE = {
     "capacity": Option(16, 1, 63, "objects that a leaf holds at most"),

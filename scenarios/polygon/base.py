@@ -1,38 +1,9 @@
 """What the scenarios on meshes of polygons share."""
 
-from abc import ABC, abstractmethod
-from collections.abc import Mapping
-from typing import Any, ClassVar
-
-from tetrabench.protocols import Answer, Options, Work
+from tetrabench.scenarios.base import BaseScenario
 
 
-class PolygonScenario(ABC):
-    """A workload on a net of polygons: prepare (untimed), run (the only timed line), answer and work (untimed)."""
+class PolygonScenario(BaseScenario):
+    """A workload on a net of polygons."""
 
-    name: str
-    title: str
     family = "polygon"
-    options: ClassVar[Mapping[str, int]] = {}
-    thesis: ClassVar[Mapping[str, int]] = {}
-    parallel: ClassVar[bool] = False
-
-    def skip(self, contestant: Any) -> str | None:
-        """Nothing here asks for more than the interface gives."""
-        return None
-
-    @abstractmethod
-    def prepare(self, stage: Any, options: Options) -> Any:
-        """What `run` works on."""
-
-    @abstractmethod
-    def run(self, subject: Any) -> Any:
-        """The workload."""
-
-    @abstractmethod
-    def answer(self, subject: Any, outcome: Any) -> Answer:
-        """What was found."""
-
-    @abstractmethod
-    def work(self, subject: Any, outcome: Any) -> Work:
-        """How much was done."""

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetrabench.jit import kernel
-from tetrabench.jit.mix import SEED, mix, mixed_with
+from tetrabench.jit.mix import mix_of_arrays, mixed_with
 from tetrabench.mesh.polygon import PolygonMesh
 from tetrabench.polygon.interface import List, Storage, cell_nodes, node_star, number_of_cells, number_of_nodes
 from tetrabench.polygon.net import PolygonNet
@@ -76,21 +76,9 @@ def sod_state(mesh: PolygonMesh) -> tuple[NDArray[np.float64], NDArray[np.float6
 
 def state_answer(gas: Gas) -> Answer:
     """Digest of all bits of what changes in a gas, and its mass, energy and time."""
-    digest = 0
-    for values in (gas.place, gas.velocity, gas.area, gas.energy, gas.push, gas.clock):
-        total = np.zeros(1, np.uint64)
-        with np.errstate(over="ignore"):  # 64 bits that wrap around are meant to, also with the JIT off
-            add_values(values.reshape(-1).view(np.uint64), total)
-        digest = int(mixed_with(digest, int(total[0])), 16)
+    digest = mix_of_arrays(gas.place, gas.velocity, gas.area, gas.energy, gas.push, gas.clock)
     figures = {"mass": float(gas.cell_mass.sum()), "energy": total_energy(gas), "time": float(gas.clock[TIME])}
     return Answer(f"{digest:016x}", figures)
-
-
-@kernel(allocates=False)
-def add_values(bits: NDArray[np.uint64], total: NDArray[np.uint64]) -> None:
-    """Add the mixes of all values and their places to total[0]."""
-    for place in range(len(bits)):
-        total[0] += mix(mix(np.uint64(SEED) ^ np.uint64(place)) ^ bits[place])
 
 
 class GasDynamics(PolygonScenario):

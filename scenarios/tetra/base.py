@@ -1,49 +1,28 @@
 """What the scenarios on tetrahedral nets share."""
 
-from abc import ABC, abstractmethod
-from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tetrabench.protocols import Answer, Options, Work
+from tetrabench.protocols import Answer, Options
+from tetrabench.scenarios.base import BaseScenario
 from tetrabench.tetra.net import TetraNet
 
 
-class TetraScenario(ABC):
-    """A workload on a net: prepare (untimed), run (the only timed line), answer and work (untimed).
+class TetraScenario(BaseScenario):
+    """A workload on a net. Unless it says otherwise, what it works on is a net, and its answer is all of that net."""
 
-    Unless it says otherwise, what it works on is a net, and its answer is all of that net.
-    """
-
-    name: ClassVar[str]
-    title: ClassVar[str]
     family = "tetra"
-    options: ClassVar[Mapping[str, int]] = {}
-    thesis: ClassVar[Mapping[str, int]] = {}
-    parallel: ClassVar[bool] = False
-
-    def skip(self, contestant: Any) -> str | None:
-        """Nothing here asks for more than the interface gives."""
-        return None
 
     def prepare(self, stage: Any, options: Options) -> Any:
         """A net for states only; a scenario that changes more asks for `stage.own_net()`."""
         return stage.net()
 
-    @abstractmethod
-    def run(self, subject: Any) -> Any:
-        """The workload."""
-
     def answer(self, subject: Any, outcome: Any) -> Answer:
         """The digest of the net."""
         net: TetraNet = subject
         return net.answer()
-
-    @abstractmethod
-    def work(self, subject: Any, outcome: Any) -> Work:
-        """How much was done."""
 
 
 def at_most_half(net: TetraNet, wanted: int) -> int:

@@ -7,7 +7,7 @@ import pytest
 
 from tetrabench import registry
 from tetrabench.report.advice.mix import LEAST, MOST
-from tetrabench.scenarios.workloads import TETRA
+from tetrabench.scenarios.workloads import COLLISION, POLYGON, TETRA
 
 
 def test_they_are_found_by_their_family():
@@ -15,9 +15,15 @@ def test_they_are_found_by_their_family():
     assert list(registry.workloads("tetra")) == ["simulation", "refinement", "static", "queries"]
 
 
-@pytest.mark.parametrize("workload", TETRA, ids=lambda one: one.name)
-def test_every_name_is_a_scenario_or_a_count_of_one(workload):
-    known = {one.name: one for one in registry.scenarios("tetra")}
+@pytest.mark.parametrize(
+    ("family", "workload"),
+    [("tetra", one) for one in TETRA]
+    + [("polygon", one) for one in POLYGON]
+    + [("collision", one) for one in COLLISION],
+    ids=lambda one: getattr(one, "name", one),
+)
+def test_every_name_is_a_scenario_or_a_count_of_one(family, workload):
+    known = {one.name: one for one in registry.scenarios(family)}
     for name, number in workload.mix.items():
         assert LEAST <= number <= MOST
         if name not in known:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from tetrabench.collision import interface
 from tetrabench.collision.contestant import CollisionContestant
 from tetrabench.collision.dynamics import PHASES, Rules, advance, make_desk, put_in_order, room_for
-from tetrabench.collision.objects import Floats, Objects, Start, check_box, check_objects, copy_objects
+from tetrabench.collision.objects import Floats, Start, check_box, check_objects, copy_objects
 from tetrabench.errors import InputError, find_named
 from tetrabench.jit import kernel
 from tetrabench.memory import refuse_if_too_large
@@ -185,7 +185,6 @@ class Simulation:
 
     def energy(self) -> float:
         """Kinetic energy, and that of height above y = 0."""
-        x, y, vx, vy, _, m = self.objects
         vx, vy, y, m = self.objects.vx, self.objects.vy, self.objects.y, self.objects.m
         return float(np.sum(m * (0.5 * (vx * vx + vy * vy) + self.gravity * y)))
 

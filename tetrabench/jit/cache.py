@@ -40,7 +40,8 @@ from tetrabench.folders import cache_root
 
 _HARNESS = "tetrabench"
 _MACHINERY = f"{_HARNESS}.jit"
-_LIBRARY = tuple(f"{_HARNESS}.{layer}" for layer in ("mesh", "io", "tetra", "polygon", "collision"))  # what foreign kernels may call
+_LAYERS = ("mesh", "io", "tetra", "polygon", "collision")
+_LIBRARY = tuple(f"{_HARNESS}.{layer}" for layer in _LAYERS)  # what foreign kernels may call
 _KERNELS: list[Any] = []  # every dispatcher that `kernel` made, for tests and for counting
 
 

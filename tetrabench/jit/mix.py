@@ -6,6 +6,7 @@ Mixing function: MurmurHash3's 64-bit finalizer with the constants of David Staf
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tetrabench.jit.cache import kernel
 
@@ -37,3 +38,21 @@ def mixed_with(total: int, *counts: float) -> str:
     for count in counts:
         total = mix_exactly(total ^ int(count))
     return f"{total:016x}"
+
+
+def mix_of_arrays(*arrays: NDArray[np.float64]) -> int:
+    """64 bits that change with any bit of any array, or its place: to compare states to the last bit."""
+    digest = 0
+    for values in arrays:
+        total = np.zeros(1, np.uint64)
+        with np.errstate(over="ignore"):  # 64 bits that wrap around are meant to, also with the JIT off
+            add_bits(values.reshape(-1).view(np.uint64), total)
+        digest = int(mixed_with(digest, int(total[0])), 16)
+    return digest
+
+
+@kernel(allocates=False)
+def add_bits(bits: NDArray[np.uint64], total: NDArray[np.uint64]) -> None:
+    """Add the mixes of all values and their places to total[0]."""
+    for place in range(len(bits)):
+        total[0] += mix(mix(np.uint64(SEED) ^ np.uint64(place)) ^ bits[place])

@@ -1,8 +1,8 @@
 """From step to step: objects that have left their leaf are inserted again, and sparse leaves are merged.
 
-Source: sections 4.2 and 4.3. A leaf that holds at most a quarter of the capacity is queued; where it and its sibling, a leaf too,
-hold at most two thirds together, their parent takes over the fuller one's buffer and all objects, and may be merged in
-turn. The children stay attached (the source's second variant); the buffer that is left over goes back (as in its first).
+Source: sections 4.2 and 4.3. A leaf that holds at most a quarter of the capacity is queued; where it and its sibling, a
+leaf too, hold at most two thirds together, their parent takes over the fuller one's buffer and all objects, and may be
+merged in turn. The children stay attached, as in the source's second variant; the buffer left over goes back, as in its first.
 """
 
 import numpy as np

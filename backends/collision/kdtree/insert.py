@@ -8,7 +8,6 @@ have one and the same coordinate, it is the other coordinate's turn; where they 
 import numpy as np
 
 from tetrabench.backends.collision.kdtree.storage import (
-    BUFFERS,
     DEPTH,
     LEAVES,
     MOVERS,
@@ -26,8 +25,6 @@ from tetrabench.backends.collision.kdtree.storage import (
     take_out,
 )
 from tetrabench.jit import kernel
-
-__all__ = ["BUFFERS", "insert_movers"]
 
 
 @kernel
@@ -90,13 +87,13 @@ def split_leaf(tree, node, px, py):
     right = left + 1
     other = take_buffer(tree)
     # What a chain holds is in one place, so that it goes to one side as a whole.
-    if tree.chained[b] != NOWHERE and (tree.y[b, 0] if axis else tree.x[b, 0]) >= split:
+    if tree.chained[b] != NOWHERE and coordinate_of(tree, b, 0, axis) >= split:
         tree.buffer[left], tree.buffer[right] = other, b
     else:
         tree.buffer[left], tree.buffer[right] = b, other
         place = 0
         while place < tree.held[b]:
-            if (tree.y[b, place] if axis else tree.x[b, place]) < split:
+            if coordinate_of(tree, b, place, axis) < split:
                 place += 1
                 continue
             put(tree, other, tree.number[b, place], tree.x[b, place], tree.y[b, place], tree.r[b, place])
@@ -116,11 +113,10 @@ def coordinate_of(tree, b, place, axis):
 @kernel(allocates=False)
 def is_spread(tree, b, axis, px, py):
     """Whether a coordinate differs anywhere; what is chained to a full buffer lies where the first one does."""
-    new = py if axis else px
-    for place in range(tree.held[b]):
-        if coordinate_of(tree, b, place, axis) != new:
-            return True
-    return False
+    new, place = py if axis else px, 0
+    while place < tree.held[b] and coordinate_of(tree, b, place, axis) == new:
+        place += 1
+    return place < tree.held[b]
 
 
 @kernel(allocates=False)
