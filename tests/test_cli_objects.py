@@ -32,7 +32,7 @@ def test_generate_writes_what_the_model_is(tmp_path: Path) -> None:
             assert result.stderr == f"wrote {tmp_path / f'a{suffix}'}\n"
             assert same(read_objects(tmp_path / f"a{suffix}").objects, start.objects)
     told = " ".join(say("generate", "--help").stdout.split())
-    assert "|".join(MODELS) in told
+    assert all(name in told for name in MODELS)
     assert "--objects" in told
 
 
@@ -120,3 +120,11 @@ def test_convert_refuses_before_it_reads(tmp_path: Path) -> None:
     assert "is what is read" in refusal("convert", tmp_path / "a.csv", tmp_path / "a.csv")
     assert "objects have no graph" in refusal("convert", tmp_path / "a.csv", tmp_path / "b.csv", "--numbering", "rcm")
     assert [file.name for file in tmp_path.iterdir()] == ["a.csv"]
+
+
+def test_view_sends_objects_to_watch(tmp_path: Path) -> None:
+    say("generate", "uniform", "--objects", 7, "-o", tmp_path / "a.npz")
+    for model in ("uniform", "separated", tmp_path / "a.npz", "nowhere.csv"):
+        told = refusal("view", model, "--family", "collision", "-o", tmp_path / "a.png")
+        assert f"objects are drawn by: tetrabench watch --model {model} --steps 0 --record FILE.png" in told
+    assert [file.name for file in tmp_path.iterdir()] == ["a.npz"]

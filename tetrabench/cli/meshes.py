@@ -100,7 +100,7 @@ def convert(source: Path, target: Path, numbering: str, seed: int, repair: str, 
 
 
 @click.command()
-@click.argument("name", metavar="nozzle|intake|box|triangle|quad|hexagon|voronoi|uniform|clustered|mixed|separated")
+@click.argument("name", metavar="MODEL")
 @click.option(
     "--tets",
     "--cells",
@@ -113,11 +113,12 @@ def convert(source: Path, target: Path, numbering: str, seed: int, repair: str, 
 @numbering_option
 @seed_option
 @field_option
-@click.option("-o", "--output", metavar="FILE.nas|FILE.npz", type=FILE, callback=check_folder, required=True)
+@click.option("-o", "--output", metavar="FILE", type=FILE, callback=check_folder, required=True)
 def generate(name: str, size: int | None, numbering: str, seed: int, field: str | None, output: Path) -> None:
     """Make a model without a mesher and write it: the same file for the same seed.
 
-    The first three are of tetras, the next four of polygons, the others of objects that move.
+    MODEL is nozzle, intake or box, of tetras; triangle, quad, hexagon or voronoi, of polygons; uniform, clustered, mixed or
+    separated, of objects that move.
     """
     from tetrabench.io.kinds import MESHES
 

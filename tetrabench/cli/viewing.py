@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from tetrabench.cli.meshes import all_kinds
 from tetrabench.cli.options import FILE, check_folder, family_option, numbering_option, read_count, seed_option
 from tetrabench.cli.speech import patience, say
 from tetrabench.errors import InputError, find_named
@@ -87,12 +88,15 @@ def view(
     The states are those that a file written by --vtu holds; else those that every scenario starts from. A cut is at a
     coordinate (x=0.3), or at a share of the model's extent (x=30%).
 
-    A mesh of polygons is drawn whole, in the colours of its cells' numbers of nodes.
+    A mesh of polygons is drawn whole, in the colours of its cells' numbers of nodes. Objects that move are for watch.
     """
     if output is None and vtu is None:
         raise click.UsageError("nothing to do: -o FILE.png draws a picture, --vtu FILE.vtu writes the net for ParaView")
     from tetrabench.io.formats import NoCellsError
 
+    for kind in all_kinds():
+        if kind.drawn_by and (model in kind.names or kind.holds(model)):
+            raise InputError(f"{model}: {kind.drawn_by.format(model)}")
     with patience(f"looking up {model}"):
         path = find_file(model, family, size, numbering, seed)
     if vtu is not None and vtu.exists() and vtu.samefile(path):

@@ -45,6 +45,7 @@ class Kind:
         inspect: (model) -> a dataclass of what there is to say about it, with `warnings` and `refusal` among that.
         tell: (model, unused) -> what became of the file that it was read from, a sentence each.
         repairs: what --repair drop does to a file that is refused.
+        drawn_by: which verb draws one, "{}" its name, where `view` does not.
     """
 
     model: type
@@ -62,6 +63,7 @@ class Kind:
     inspect: Callable[[Any], Any]
     tell: Callable[[Any, str], list[str]]
     repairs: str = ""
+    drawn_by: str = ""
 
 
 def is_surface(path: FilePath) -> bool:

@@ -46,4 +46,5 @@ OBJECTS = Kind(
     source=lambda start: start.source,
     inspect=inspect_objects,
     tell=lambda start, unused: [],
+    drawn_by="objects are drawn by: tetrabench watch --model {} --steps 0 --record FILE.png",
 )
