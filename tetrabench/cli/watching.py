@@ -9,6 +9,7 @@ import click
 
 from tetrabench.cli.options import FILE, check_folder, numbering_option, read_count, seed_option
 from tetrabench.cli.speech import patience, say
+from tetrabench.errors import InputError
 
 STEPS = 300  # of a recording, unless said
 FILM, WINDOW = 30, 60  # frames a second, unless said
@@ -77,6 +78,7 @@ def watch(
 
     A recording needs no window: .png shows the last step, .gif and .mp4 all of them, a frame each.
     """
+    frames = STEPS if steps is None else steps
     with patience("looking up backends"):
         from tetrabench.watch.opening import find_contestants, find_file
 
@@ -87,12 +89,12 @@ def watch(
         else:
             from tetrabench.watch.film import check_film
 
-            check_film(record)
+            check_film(record, frames)
         contestants = find_contestants(backend, options)
     with patience(f"looking up {model}"):
         path = find_file(model, objects, numbering=numbering, seed=seed)
     if record is not None and record.exists() and record.samefile(path):
-        raise click.BadParameter(f"{record} is what is read")
+        raise InputError(f"{record}: is what is read, and would be lost; record to another file")
     with patience(f"compiling {backend}"):
         from tetrabench.watch.player import open_player
 
@@ -105,9 +107,7 @@ def watch(
         return
     from tetrabench.watch import film
 
-    steps = STEPS if steps is None else steps
-    with patience(f"recording {steps:,} steps") as tell:
-        film.record(player, record, steps, frames_a_second=fps or FILM, tell=tell)
-    say(
-        f"wrote {record}: {steps:,} {'step' if steps == 1 else 'steps'} of {len(player.simulation):,} objects in {backend}"
-    )
+    with patience(f"recording {frames:,} steps") as tell:
+        film.record(player, record, frames, frames_a_second=fps or FILM, tell=tell)
+    played = f"{frames:,} {'step' if frames == 1 else 'steps'}"
+    say(f"wrote {record}: {played} of {len(player.simulation):,} objects in {backend}")

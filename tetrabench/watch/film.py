@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import logging
 import shutil
 import subprocess
 from collections.abc import Callable, Iterator
@@ -60,12 +61,10 @@ def record(
         tell: gets how many of how many steps are done.
 
     Raises:
-        InputError: see `check_film`; the file cannot be written; no film can be made of 0 steps.
+        InputError: see `check_film`; the file cannot be written.
     """
-    check_film(path)
+    check_film(path, steps)
     suffix = path.suffix.lower()
-    if suffix != ".png" and steps < 1:
-        raise InputError(f"{path}: a film needs 1 step at least; a .png may show the start")
     try:
         if suffix == ".png":
             _write_picture(player, path, steps, tell)
@@ -76,15 +75,17 @@ def record(
         raise InputError(f"{path}: cannot be written: {error.strerror or error}") from error
 
 
-def check_film(path: Path) -> None:
-    """Whether a recording can be made, before the work.
+def check_film(path: Path, steps: int) -> None:
+    """Whether a recording of so many steps can be made, before the work.
 
     Raises:
-        InputError: another suffix, or nothing that makes films.
+        InputError: another suffix, a film of no steps, or nothing that makes films.
     """
     suffix = path.suffix.lower()
     if suffix not in (".png", ".gif", ".mp4"):
         raise InputError(f"{path}: recordings are .png, .gif or .mp4, by the suffix")
+    if suffix != ".png" and steps < 1:
+        raise InputError(f"{path}: a film needs 1 step at least; a .png may show the start")
     if suffix == ".mp4":
         find_ffmpeg()
 
@@ -139,6 +140,7 @@ def _write_gif(frames: Iterator[Figure], path: Path, frames_a_second: int) -> No
 
 
 def _write_mp4(frames: Iterator[Figure], path: Path, frames_a_second: int) -> None:
+    logging.getLogger("matplotlib.animation").setLevel(logging.ERROR)  # what ffmpeg has said is said below
     with rc_context({"animation.ffmpeg_path": find_ffmpeg()}):
         writer = FFMpegWriter(fps=frames_a_second, codec="h264", extra_args=list(QUALITY))
         try:
@@ -147,7 +149,8 @@ def _write_mp4(frames: Iterator[Figure], path: Path, frames_a_second: int) -> No
                 for _ in itertools.chain([figure], frames):
                     writer.grab_frame(facecolor=BACKGROUND)
         except subprocess.CalledProcessError as error:
-            raise InputError(f"{path}: ffmpeg has failed: {str(error.stderr).strip().splitlines()[-1]}") from error
+            told = str(error.stderr or "").strip().splitlines() or [f"exit code {error.returncode}"]
+            raise InputError(f"{path}: ffmpeg has failed: {told[-1]}") from error
 
 
 def make_figure(width: int, height: int) -> Figure:

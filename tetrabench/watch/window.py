@@ -98,7 +98,7 @@ def _key(event: Any) -> str:
 
     typed = event.unicode.lower()
     typed = SAME_KEYS.get(typed, typed)
-    return typed if typed in KEYS else pygame.key.name(event.key)
+    return typed if typed in KEYS else pygame.key.name(event.key).strip("[]")  # those of the number pad are in brackets
 
 
 class Painter:
