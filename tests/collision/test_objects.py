@@ -17,8 +17,8 @@ from tetrabench.errors import InputError
 
 
 def test_lists_become_columns_of_their_own() -> None:
-    x = np.arange(6.0)[::2]
-    objects = make_objects(x, [3, 4, 5], vx=(1, 2, 3), r=7)
+    x, y = np.arange(6.0)[::2], np.array([3.0, 4.0, 5.0])
+    objects = make_objects(x, y, vx=(1, 2, 3), r=7)
     assert [column.tolist() for column in objects] == [
         [0, 2, 4],
         [3, 4, 5],
@@ -32,7 +32,7 @@ def test_lists_become_columns_of_their_own() -> None:
         assert column.flags.c_contiguous
         assert column.flags.writeable
         assert column.flags.owndata
-        assert not np.shares_memory(column, x)
+        assert not any(np.shares_memory(column, given) for given in (x, y))
     assert all(len(column) == 0 for column in make_objects([], []))
 
 

@@ -39,8 +39,8 @@ def test_rounding_hides_no_contact() -> None:
     random = np.random.default_rng(0)
     found = 0
     for _ in range(300):
-        x = random.random(2) * 1e3
-        r = random.random(2) * 10
+        x = 1e8 + random.random(2)  # the next number is 1e-8 away
+        r = random.random(2)
         x[1] = x[0] + (r[0] + r[1])
         for _ in range(4):
             x[1] = np.nextafter(x[1], 0)
