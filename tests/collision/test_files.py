@@ -130,6 +130,7 @@ def test_faults_have_their_line(table: Callable[[str], Path], text: str, line: i
         ),
         ("1,2\n3,4\n", "'1' is no column; they are x, y, vx, vy, r, m, each once"),
         ("# box 0 9\nx,y\n1,2\n", "a box of 0.0 x 9.0: width and height have to be finite numbers above 0"),
+        ("x,y,r\n1e308,1,1e308\n", "a box of inf x 1e+308: width and height have to be finite numbers above 0"),
         ("# box nan 9\nx,y\n1,2\n", "a box of nan x 9.0: width and height have to be finite numbers above 0"),
     ],
 )

@@ -39,6 +39,11 @@ def test_no_objects() -> None:
     assert told.lowest == told.highest == told.radii == told.masses == told.speeds == ()
 
 
+def test_numbers_beyond_all_bounds() -> None:
+    told = inspect_objects(Start(make_objects([-1e308, 1e308], 0.0, 1e308, 1e308, 1e308), 1.0, 1.0))
+    assert (told.speeds, told.covered, told.outside) == ((pytest.approx(2**0.5 * 1e308),) * 2, math.inf, 2)
+
+
 def test_keys_are_documented() -> None:
     for key in fields(ObjectsInspection):
         assert f"        {key.name}: " in (ObjectsInspection.__doc__ or "")

@@ -218,7 +218,8 @@ def find_fault(path: Path, names: Sequence[str]) -> str | None:
 
 def reach(centre: Floats, r: Floats) -> float:
     """How far circles reach along an axis; 0 where there is none."""
-    return float(np.max(centre + r, initial=0.0))
+    with np.errstate(over="ignore"):  # infinite is no box
+        return float(np.max(centre + r, initial=0.0))
 
 
 def write_table(start: Start, path: Path) -> None:

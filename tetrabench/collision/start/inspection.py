@@ -46,6 +46,7 @@ class ObjectsInspection:
     refusal: str = ""
 
 
+@np.errstate(over="ignore")  # numbers may be beyond float64: infinite, then
 def inspect_objects(start: Start) -> ObjectsInspection:
     """Inspect a start."""
     x, y, vx, vy, r, m = start.objects
