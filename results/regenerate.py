@@ -12,33 +12,55 @@ from pathlib import Path
 import polygon_tables
 
 RESULTS = Path(__file__).parent
-README, FINDINGS, HALFFACE, POLYGON = (
+README, FINDINGS, HALFFACE, POLYGON, COLLISION = (
     RESULTS.parent / "README.md",
     RESULTS / "README.md",
     RESULTS.parent / "docs" / "halfface.md",
     RESULTS.parent / "docs" / "polygon.md",
+    RESULTS.parent / "docs" / "collision.md",
 )
-RUNS = {
-    "nozzle-120k-quick": "--model nozzle --tets 120k --quick",
-    "reference-nozzle": "--model nozzle --numbering natural,shuffled --rounds 1",
-    "reference-intake": "--model intake --numbering natural,shuffled --rounds 1",
-    "numbering-nozzle": "--model nozzle --numbering natural,hilbert,rcm,shuffled --backend v3y,v4,v5y "
-    "--scenario alfa,flow,locate --rounds 1",
-    "thesis-nozzle": "--model nozzle --thesis",
-    "thesis-nozzle-shuffled": "--model nozzle --numbering shuffled --thesis",
-    "thesis-intake": "--model intake --thesis",
-    "thesis-intake-shuffled": "--model intake --numbering shuffled --thesis",
-} | {
-    f"polygon-{model}": f"--family polygon --model {model} --scenario {','.join(polygon_tables.TASKS)} --rounds 1"
-    + " --quick" * (model != "quad")
-    for model in polygon_tables.MODELS
+COLLISIONS = {
+    # 100000, for 50k,100k is read as one number with a comma
+    "objects": "--objects 10k,20k,50k,100000,200000 --scenario motion --option motion.steps=100 "
+    "--backend kdtree,grid,skin,ckdtree,leaf-only",
+    "capacity": "--objects 10k --scenario motion --option motion.steps=1000 --backend kdtree,leaf-only "
+    "--option capacity=1,2,3,4,6,8,10,12,16,20,24,32,40,48,63",
+    "concentration": "--objects 10k --scenario concentration --option concentration.steps=1000 "
+    "--option concentration.area=100,300,1000,3000,10000,30000,100000,300000,1000000 "
+    "--backend kdtree,grid,skin,leaf-only",
+    "recycling": "--objects 10k --scenario weightless,gravity --option steps=5000 --option recycle=0,1 "
+    "--backend kdtree,leaf-only",
 }
+"""The experiments of the source of the collision family, with its counts but for the first, which would take hours."""
+RUNS = (
+    {
+        "nozzle-120k-quick": "--model nozzle --tets 120k --quick",
+        "reference-nozzle": "--model nozzle --numbering natural,shuffled --rounds 1",
+        "reference-intake": "--model intake --numbering natural,shuffled --rounds 1",
+        "numbering-nozzle": "--model nozzle --numbering natural,hilbert,rcm,shuffled --backend v3y,v4,v5y "
+        "--scenario alfa,flow,locate --rounds 1",
+        "thesis-nozzle": "--model nozzle --thesis",
+        "thesis-nozzle-shuffled": "--model nozzle --numbering shuffled --thesis",
+        "thesis-intake": "--model intake --thesis",
+        "thesis-intake-shuffled": "--model intake --numbering shuffled --thesis",
+    }
+    | {
+        f"polygon-{model}": f"--family polygon --model {model} --scenario {','.join(polygon_tables.TASKS)} --rounds 1"
+        + " --quick" * (model != "quad")
+        for model in polygon_tables.MODELS
+    }
+    | {
+        f"collision-{name}": f"--family collision --model uniform --rounds 1 {options}"
+        for name, options in COLLISIONS.items()
+    }
+)
 """File in this folder -> what `tetrabench run` is told."""
 REFERENCE = ["reference-nozzle", "reference-intake"]
 """What is concluded from."""
 SOURCES = {
     "source": ("tetra", REFERENCE),
     "polygon-source": ("polygon", [f"polygon-{model}" for model in polygon_tables.MODELS]),
+    "collision-source": ("collision", [f"collision-{name}" for name in COLLISIONS]),
 }
 """Pages about what the source of a family found: the family, and the runs that they put beside it."""
 
@@ -152,6 +174,7 @@ BLOCKS: dict[str, tuple[Path, Callable[[], str]]] = {
     "half-faces beside CGAL": (HALFFACE, beside_cgal),
     "half-faces beside packages": (HALFFACE, partial(contests, "peers-examples")),
     "findings about polygons": (POLYGON, partial(findings, "polygon-source")),
+    "findings about collisions": (COLLISION, partial(findings, "collision-source")),
     "polygon values": (POLYGON, partial(polygon, polygon_tables.values)),
     "polygon queries": (POLYGON, partial(polygon, polygon_tables.queries)),
     "polygon shares": (POLYGON, partial(polygon, polygon_tables.shares)),
@@ -159,7 +182,7 @@ BLOCKS: dict[str, tuple[Path, Callable[[], str]]] = {
 } | {
     f"table {name}": (README if name == "nozzle-120k-quick" else FINDINGS, partial(table, name))
     for name in RUNS
-    if name != "numbering-nozzle" and not name.startswith("polygon-")
+    if name != "numbering-nozzle" and not name.startswith(("polygon-", "collision-"))
 }
 """What stands between two marks: on which page, and what it says."""
 

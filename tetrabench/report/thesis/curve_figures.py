@@ -16,7 +16,6 @@ from matplotlib.ticker import MaxNLocator, StrMethodFormatter
 from tetrabench.bench.record import Backend, Results
 from tetrabench.report.style import Style, make_styles
 from tetrabench.report.thesis.comparison import Comparison, Drawn, DrawnAnew, Panel
-from tetrabench.report.units import two_digits
 
 WIDTH, HEIGHT = 11.0, 5.2  # inches
 SECOND = 2.4  # inches, of a row of counts
@@ -166,12 +165,17 @@ def words_of(line: Drawn) -> str:
     return words if line.is_exact else f"{words} (wrong answers)"
 
 
+def three_digits(time: float) -> str:
+    """0.0842, 0.184, 12.4, 1,240."""
+    return f"{time:,.0f}" if time >= 100 else f"{time:.3g}"
+
+
 def least_of(drawn: DrawnAnew) -> list[str]:
     """Where each line is least, of a figure whose source says where that is: "kdtree is least at 12"."""
     if not drawn.said or drawn.said[0] == drawn.said[1]:
         return []
     return [
-        f"{line.contestant} takes least, {two_digits(least.time)}, at {least.place:,.0f}"
+        f"{line.contestant} takes least, {three_digits(least.time)}, at {least.place:,.0f}"
         for line in _lines(drawn)
         for least in [min(line.points, key=lambda point: point.time)]
     ]
@@ -182,7 +186,7 @@ def _caption(drawn: DrawnAnew) -> str:
     if any(point.is_whole for line in _lines(drawn) for point in line.points):
         said.append("Shades: intervals that hold with 95 % for all of a scenario together.")
     if any(not line.is_exact for line in _lines(drawn)):
-        said.append("Broken: its answers are wrong, so it is compared with nothing.")
+        said.append("Broken line: its answers are wrong, so it is compared with nothing.")
     if least := least_of(drawn):
         said.append(f"{'; '.join(least)}.")
     return " ".join([*said, *_once(f"{panel.about}." for panel in drawn.panels)])

@@ -30,7 +30,7 @@ from tetrabench.report.thesis.comparison import (
     Subject,
     compare_with_source,
 )
-from tetrabench.report.thesis.curve_figures import draw_curves, file_of, least_of
+from tetrabench.report.thesis.curve_figures import draw_curves, file_of, least_of, three_digits
 from tetrabench.report.thesis.curves import TENTH
 from tetrabench.report.thesis.figures import as_svg, draw_figures, name_of, save_figures
 from tetrabench.report.units import digits, duration, percent, times, two_digits
@@ -340,7 +340,7 @@ def _shown(drawn: DrawnAnew, line: Drawn) -> Sequence[At]:
 def _time(point: At) -> str:
     if point.high is None:
         return "unclear"
-    return digits(point.time) + ("" if point.is_whole else "?")
+    return three_digits(point.time) + ("" if point.is_whole else "?")
 
 
 def _count(point: At) -> str:
