@@ -100,6 +100,7 @@ def test_where_nobody_looked_nothing_is_said():
 
 def test_few_launches_tell_only_what_is_far_from_its_limit():
     assert outcomes(capacity_run(launches=2))["optimum", "kdtree"] == "cannot tell"
+    assert outcomes(capacity_run((9, 9), launches=2))["optimum", "kdtree"] == "holds"  # the best beside itself
     assert outcomes(concentration_run((9.0, 1.2), launches=2))["hypothesis 2", "kdtree"] == "holds"
 
 
@@ -128,6 +129,7 @@ def test_between_sizes_only_the_range_is_honest():
     figure = asked("kdtree", msgspec.structs.replace(run, samples=moved)).between("figure 7", 100_000, 50_000)
     assert (figure.ratio, figure.low, figure.high) == pytest.approx((2.0, 2.0, 2.6))
     assert figure.is_whole
+    assert asked("kdtree", objects_run(launches=3)).between("figure 7", 100_000, 50_000).is_whole
     assert not asked("kdtree", objects_run(launches=2)).between("figure 7", 100_000, 50_000).is_whole
 
 
@@ -279,11 +281,17 @@ def test_figures_have_a_line_for_each_contestant_broken_where_it_is_wrong(runs):
         "grid: squares of one size, objects sorted into them in each step",
     ]
     assert [text.get_text() for text in axes.texts] == [" the source: least here"]
+    assert [list(line.get_xdata()) for line in figures["figure-7"].axes[0].lines if line.get_linestyle() == ":"] == [
+        [50_000, 50_000]
+    ]
 
 
 def test_panels_of_a_figure_have_one_scale_and_leaves_below(runs):
     panels = draw_curves(compare_with_source(runs, SOURCE), runs[0])["figures-12-to-15"].axes
     assert len({axes.get_ylim() for axes in panels[:4]}) == len({axes.get_ylim() for axes in panels[4:]}) == 1
+    assert panels[0].lines[0].get_ydata()[0] == pytest.approx(
+        1.0, rel=0.4
+    )  # ms: 50 steps take 0.05 s, and launches differ
     assert max(panels[6].lines[0].get_ydata()) == 4000 < panels[6].get_ylim()[1]
     assert all(axes.get_ylim()[0] == 0 for axes in panels)
 
