@@ -160,7 +160,7 @@ def _add_legend(figure: Figure, drawn: DrawnAnew, styles: Mapping[str, Style]) -
 
 
 def words_of(line: Drawn) -> str:
-    """leaf-only: as published (wrong answers)."""
+    """A contestant and what it stands for: "NAME: as published (wrong answers)"."""
     words = f"{line.contestant}: {line.words or line.title}"
     return words if line.is_exact else f"{words} (wrong answers)"
 
@@ -171,7 +171,7 @@ def three_digits(time: float) -> str:
 
 
 def least_of(drawn: DrawnAnew) -> list[str]:
-    """Where each line is least, of a figure whose source says where that is: "kdtree is least at 12"."""
+    """Where each line is least, of a figure whose source says where that is, a sentence each."""
     if not drawn.said or drawn.said[0] == drawn.said[1]:
         return []
     return [
