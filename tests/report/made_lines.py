@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import msgspec
 
 from tests.report.made import make_backend, make_launch, make_results, make_sample
-from tetrabench.bench.record import Backend, Model, Results, Task
+from tetrabench.bench.record import Backend, Model, Results
 
 CAPACITIES = (1, 2, 4, 8, 16, 32, 63)
 OBJECTS = 10_000
@@ -92,7 +92,6 @@ def make_run(
         {task: {"v3y": 1.0} for task in tasks},
         launches=launches,
         rounds=rounds,
-        family="collision",
         backends=list(backends),
         models=[Model(name=model, size={"objects": OBJECTS}, digest="0" * 16)],
         reference=backends[0].name,

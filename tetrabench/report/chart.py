@@ -23,7 +23,7 @@ from tetrabench.report.notes import about_clock, about_machine, fewer_than_asked
 from tetrabench.report.parts import Part, make_parts
 from tetrabench.report.series import courses_of
 from tetrabench.report.style import EDGE, Style, make_styles
-from tetrabench.report.units import counted, duration
+from tetrabench.report.units import counted, duration, one_of
 
 PANEL = 6  # groups of dots side by side
 DOTS = 48  # dots, or bars, side by side
@@ -113,7 +113,7 @@ def draw_memory(part: Part) -> Figure:
         if LETTER * max(len(style.name) for style in styles.values()) > 0.7 * WIDTH / aside / len(styles):
             axes.tick_params(axis="x", labelrotation=90, labelsize=SMALL)
     for axes in panels[::aside]:
-        axes.set_ylabel(f"bytes a {part.item}")
+        axes.set_ylabel(f"bytes {one_of(part.item)}")
     return figure
 
 

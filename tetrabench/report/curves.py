@@ -13,7 +13,7 @@ from typing import TypeVar
 from tetrabench.bench.record import Results, Task
 from tetrabench.bench.statistics import Row, total_of
 from tetrabench.protocols import Options
-from tetrabench.report.lines import Line, label_of, lines_of
+from tetrabench.report.lines import Line, few_of_each, label_of, lines_of
 from tetrabench.report.parts import shown_name
 
 Key = TypeVar("Key", bound=Hashable)
@@ -155,7 +155,9 @@ def curves_over_counts(results: Results, rows: Sequence[Row]) -> list[Curves]:
     tasks = {task.name: task for task in results.tasks}
     own = _grouped(results.tasks, lambda task: task.scenario)
     charts = []
-    for model, lines in _grouped(_lines(results, rows), lambda line: line.row.model).items():
+    for model, everybody in _grouped(_lines(results, rows), lambda line: line.row.model).items():
+        few = few_of_each({line.backend.name: line.backend for line in everybody}.values())
+        lines = [line for line in everybody if line.backend in few]
         for mine in own.values():
             varied = _varied([task.options for task in mine])
             for count in varied:

@@ -15,7 +15,7 @@ from tetrabench.report.lines import Line
 from tetrabench.report.notes import about_machine
 from tetrabench.report.series import Course
 from tetrabench.report.style import EDGE, Style, make_styles
-from tetrabench.report.units import duration
+from tetrabench.report.units import duration, plural
 
 ASIDE = 3  # panels side by side
 MARKS = 8  # along a line, so that it is known without its colour
@@ -112,15 +112,18 @@ def _finish(axes: Axes, values: Sequence[float], *, is_time: bool) -> None:
         axes.yaxis.set_minor_locator(NullLocator())
     else:
         axes.set_ylim(0.0, 1.08 * max(values) or 1.0)
-    axes.yaxis.set_major_formatter(
-        EngFormatter(unit="s" if is_time else "", sep="\N{NO-BREAK SPACE}" if is_time else "")
-    )
+    if is_time:
+        axes.yaxis.set_major_formatter(EngFormatter(unit="s"))
+    else:
+        axes.yaxis.set_major_formatter(EngFormatter(sep="") if max(values) >= LARGE else StrMethodFormatter("{x:,g}"))
 
 
 def _about_series(results: Results, course: Course) -> str:
     samples = max(len(line.samples) for line in course.lines)
     middle = f", medians of {samples} samples" if samples > 1 else ""
     said = f"{about_machine(results)}. Times are of one {course.axis}{middle}; counts are those of the first sample."
+    if course.left_out:
+        said += f" {plural(course.left_out, 'backend')} with other options {'is' if course.left_out == 1 else 'are'} not drawn."
     return said + _about_wrong(course.lines)
 
 
@@ -139,4 +142,4 @@ def _about_curves(results: Results, curves: Curves) -> str:
 
 
 def _about_wrong(lines: Sequence[Line]) -> str:
-    return " Dashed: known to be wrong, and ranked nowhere." if any(line.is_wrong for line in lines) else ""
+    return " (wrong answers): known to be so, and ranked nowhere." if any(line.is_wrong for line in lines) else ""

@@ -12,6 +12,8 @@ from tetrabench.bench.statistics import INEXACT, Row, samples_of
 from tetrabench.report.parts import shown_name
 
 WRONG = "(wrong answers)"
+MOST_ALIKE = 7
+"""Lines of a contestant where its backends are a line each: of more some are drawn, from the first to the last."""
 
 
 @dataclass(frozen=True)
@@ -46,4 +48,17 @@ def lines_of(results: Results, rows: Iterable[Row]) -> list[Line]:
         Line(row, backend, [one for one in cells[row.model, row.task, row.backend] if one.status == row.status])
         for row in rows
         if (backend := backends.get(row.backend)) and (row.status == "ok" or row.verdict == INEXACT)
+    ]
+
+
+def few_of_each(backends: Iterable[Backend]) -> list[Backend]:
+    """MOST_ALIKE of each contestant at most, as far apart in the order of the run as can be."""
+    kin: dict[str, list[Backend]] = {}
+    for backend in backends:
+        kin.setdefault(backend.contestant, []).append(backend)
+    return [
+        own[round(place * (len(own) - 1) / max(1, count - 1))]
+        for own in kin.values()
+        for count in [min(MOST_ALIKE, len(own))]
+        for place in range(count)
     ]

@@ -8,7 +8,7 @@ from tetrabench.bench.record import Launch, Results
 from tetrabench.bench.statistics import ALIKE, CLEAR, SHORTEST_S, Row
 from tetrabench.report.memory import memories
 from tetrabench.report.parts import Part
-from tetrabench.report.units import digits, duration, percent, plural, singular
+from tetrabench.report.units import digits, duration, one_of, percent, plural, singular
 
 ENDS = {
     "interrupted": "Interrupted: samples are missing.",
@@ -265,7 +265,7 @@ def _items(part: Part) -> str:
         unit: "; ".join(f"{done:,} in {', '.join(tasks)}" for done, tasks in counts.items())
         for unit, counts in units.items()
     }
-    return ", ".join(f"a {singular(unit)} ({counts})" for unit, counts in done_in.items())
+    return ", ".join(f"{one_of(singular(unit))} ({counts})" for unit, counts in done_in.items())
 
 
 def _work(part: Part, task: str) -> tuple[str, int]:

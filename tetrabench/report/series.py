@@ -10,7 +10,7 @@ from statistics import median
 
 from tetrabench.bench.record import Results
 from tetrabench.bench.statistics import Row
-from tetrabench.report.lines import Line, lines_of
+from tetrabench.report.lines import Line, few_of_each, lines_of
 
 MOST = 100
 """Stretches of a line: in a longer run neighbours are joined, so that a page stays small."""
@@ -39,12 +39,18 @@ class Track:
 
 @dataclass(frozen=True)
 class Course:
-    """All that is known along the run of a task on a model; `axis` is "step" or "stretch"."""
+    """What is known along the run of a task on a model.
+
+    Attributes:
+        axis: "step" or "stretch".
+        left_out: how many lines are not drawn, see lines.MOST_ALIKE.
+    """
 
     model: str
     task: str
     axis: str
     tracks: list[Track]
+    left_out: int = 0
 
     @property
     def quantities(self) -> dict[str, bool]:
@@ -69,11 +75,13 @@ def courses_of(results: Results, rows: Iterable[Row]) -> list[Course]:
     cells = groupby(lines_of(results, rows), lambda line: (line.row.model, line.row.task))
     courses = []
     for (model, task), lines in cells:
-        shown = list(lines)
+        shown = [line for line in lines if _series(line)]
         axis = STEP if all(STEP in series for line in shown for series in _series(line)) else "stretch"
-        tracks = [track for line in shown for track in _tracks(line, axis)]
+        few = few_of_each(line.backend for line in shown)
+        chosen = [line for line in shown if line.backend in few]
+        tracks = [track for line in chosen for track in _tracks(line, axis)]
         if tracks:
-            courses.append(Course(model, task, axis, tracks))
+            courses.append(Course(model, task, axis, tracks, len(shown) - len(chosen)))
     return courses
 
 
@@ -86,8 +94,6 @@ def _series(line: Line) -> list[Mapping[str, Sequence[float]]]:
 def _tracks(line: Line, axis: str) -> list[Track]:
     """One quantity after the other."""
     several = _series(line)
-    if not several:
-        return []
     count = len(next(iter(several[0].values())))
     ends = _ends(count)
     steps = list(several[0][STEP]) if axis == STEP else [stretch + 1.0 for stretch in range(count)]

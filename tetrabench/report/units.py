@@ -41,6 +41,11 @@ def singular(things: str) -> str:
     return things.removesuffix("s")
 
 
+def one_of(thing: str) -> str:
+    """A tetra, an object."""
+    return f"an {thing}" if thing[0] in "aeiou" else f"a {thing}"
+
+
 def counted(number: int, things: str) -> str:
     """1 tetra, 642,816 tetras, of what `protocols` counts in the plural."""
     return f"{number:,} {singular(things) if number == 1 else things}"

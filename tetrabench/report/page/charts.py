@@ -11,6 +11,7 @@ from tetrabench.bench.statistics import ALIKE
 from tetrabench.report.page import figures
 from tetrabench.report.page.figures import Datum
 from tetrabench.report.page.subjects import ABSOLUTE
+from tetrabench.report.units import one_of
 
 Spec = dict[str, Any]
 SCHEMA = "https://vega.github.io/schema/vega-lite/v6.json"
@@ -18,8 +19,9 @@ WIDTH = 560  # pixels of a chart that is drawn beforehand; script.js takes what 
 PANEL = 170  # of a panel among several
 TOGGLED = {"type": "log", "nice": False, "padding": 14}  # script.js makes it linear when asked to
 _ROW, _SUBROW = 27, 17  # pixels a backend, and a backend on one of several models
-_ROUND = "indexof([1, 2, 5], round(datum.value / pow(10, floor(log(datum.value) / LN10 + 1e-9)))) >= 0"
+ROUND = "indexof([1, 2, 5], round(datum.value / pow(10, floor(log(datum.value) / LN10 + 1e-9)))) >= 0"
 LINE = 160  # size of a sign in a legend of lines
+LETTER = 6.3  # pixels, in a legend
 MARKS = 8  # along a line, so that it is known without its colour
 QUIET = "#808080"  # of marks that are not of a backend: seen on white and on black
 CONFIG: Spec = {
@@ -214,7 +216,7 @@ class Charts:
         x = {
             "field": "bytes",
             "type": "quantitative",
-            "title": f"{kind}, bytes a {item}",
+            "title": f"{kind}, bytes {one_of(item)}",
             "scale": {"zero": False, "padding": 16},
             "axis": {"tickCount": 4},
         }
@@ -249,7 +251,7 @@ class Charts:
                             {"field": "backend"},
                             {"field": "model"},
                             {"field": "text", "title": "time of one run"},
-                            {"field": "bytes", "format": ",.0f", "title": f"bytes a {item}"},
+                            {"field": "bytes", "format": ",.0f", "title": f"bytes {one_of(item)}"},
                         ],
                     },
                 },
@@ -316,7 +318,7 @@ class Charts:
                 {
                     "mark": {"type": "bar", "stroke": QUIET, "strokeWidth": 1},
                     "encoding": {
-                        "x": {"field": "from", "type": "quantitative", "title": f"bytes a {item}"},
+                        "x": {"field": "from", "type": "quantitative", "title": f"bytes {one_of(item)}"},
                         "x2": {"field": "to"},
                         "color": {
                             "field": "field",
@@ -327,7 +329,7 @@ class Charts:
                         "tooltip": [
                             {"field": "backend"},
                             {"field": "field", "title": "buffer"},
-                            {"field": "bytes", "format": ",.1f", "title": f"bytes a {item}"},
+                            {"field": "bytes", "format": ",.1f", "title": f"bytes {one_of(item)}"},
                         ],
                     },
                 },
@@ -436,7 +438,7 @@ class Charts:
 
     def _key(self, encoding: Spec, size: int = 80) -> Spec:
         """The same with a legend of the backends below the chart."""
-        return {**encoding, "legend": {"orient": "bottom", "columns": 7, "symbolSize": size}}
+        return {**encoding, "legend": {"orient": "bottom", "columns": columns_for(self.backends), "symbolSize": size}}
 
     def _stroke(self) -> Spec:
         return self._of_backends("stroke")
@@ -448,7 +450,12 @@ class Charts:
         return self._of_backends("dash")
 
 
+def columns_for(names: Sequence[str]) -> int:
+    """Of a legend with these names."""
+    return max(1, min(7, int((WIDTH - 80) // (34 + LETTER * max(map(len, names), default=0)))))
+
+
 def _thinned(label: str, values: Sequence[float]) -> str:
     """A label of a logarithmic axis; where it is long only at 1, 2, 5, 10, ...: else neighbours would push out the 10."""
     is_long = bool(values) and max(values) > 8 * min(values)
-    return f"{_ROUND} ? ({label}) : ''" if is_long else label
+    return f"{ROUND} ? ({label}) : ''" if is_long else label

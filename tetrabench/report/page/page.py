@@ -16,14 +16,15 @@ from tetrabench.bench.record import Results
 from tetrabench.errors import InputError
 from tetrabench.report.advice.recommend import recommend_usual, unmeasured
 from tetrabench.report.advice.words import overview_of
-from tetrabench.report.page import figures, tables
-from tetrabench.report.page.charts import Charts, Spec
+from tetrabench.report.page import figures, line_figures, tables
+from tetrabench.report.page.charts import Spec
+from tetrabench.report.page.line_charts import LineCharts
 from tetrabench.report.page.looks import PATHS, looks_of, shapes_of
 from tetrabench.report.page.subjects import ABSOLUTE, OWN, Run, Subject, bases_of, make_runs, make_subjects
 from tetrabench.report.page.tables import Table
 from tetrabench.report.pages import pages_of
 from tetrabench.report.sheets import Pages
-from tetrabench.report.units import plural
+from tetrabench.report.units import one_of, plural
 
 if TYPE_CHECKING:
     from jinja2 import Template
@@ -84,7 +85,7 @@ def make_page(
     bases = bases_of(subjects)
     looks = looks_of(subjects)
     shapes = shapes_of([subject.label for subject in subjects])
-    sections = _draw(list(_sections(subjects, bases, Charts(looks, shapes, bases[0]))), step)
+    sections = _draw(list(_sections(subjects, bases, LineCharts(looks, shapes, bases[0]))), step)
     return _template().render(
         title=", ".join(shapes),
         runs=named,
@@ -135,7 +136,7 @@ def _base_words(base: str, subjects: Sequence[Subject]) -> str:
     return known.get(base, "the reference of each")
 
 
-def _sections(subjects: Sequence[Subject], bases: Sequence[str], charts: Charts) -> Iterator[Section]:
+def _sections(subjects: Sequence[Subject], bases: Sequence[str], charts: LineCharts) -> Iterator[Section]:
     """Everything that there is something to show of; nothing is drawn yet."""
     times, samples = figures.times(subjects, bases), figures.samples(subjects)
     reference = bases[0] if bases[0] != OWN else "its reference"
@@ -151,6 +152,10 @@ def _sections(subjects: Sequence[Subject], bases: Sequence[str], charts: Charts)
             spec, table = charts.samples(samples[task], reference), tables.samples_table(samples[task], task)
             found.append(Figure(f"samples-{task}", "samples", f"{task}: samples", words, spec, table))
     yield Section("scenarios", "Scenario by scenario", TIMES, found)
+    if found := list(_options(subjects, charts)):
+        yield Section("options", "What to choose", OPTIONS, found)
+    if found := list(_along(subjects, charts)):
+        yield Section("along", "Along the run", ALONG, found)
     item = subjects[0].item
     found = []
     for subject in subjects:
@@ -168,7 +173,7 @@ def _sections(subjects: Sequence[Subject], bases: Sequence[str], charts: Charts)
     if memory.lines:
         found = []
         if any(row["bytes"] >= figures.UNSEEN for row in fields):
-            words = f"Bytes a {item} of each buffer of each backend, stacked"
+            words = f"Bytes {one_of(item)} of each buffer of each backend, stacked"
             table = tables.fields_table(fields, item)
             found = [Figure("fields", "fields", "Memory by buffer", words, charts.fields(fields, item), table)]
         yield Section("memory", "Memory", MEMORY, found, [memory])
@@ -182,6 +187,44 @@ def _sections(subjects: Sequence[Subject], bases: Sequence[str], charts: Charts)
         spec, table = charts.limits(limits), tables.limits_table(limits)
         shown = Figure("limits", "limits", "Share of the limit", words, spec, table)
         yield Section("limits", "How near to the machine's limit", LIMITS, [shown])
+
+
+def _options(subjects: Sequence[Subject], charts: LineCharts) -> Iterator[Figure]:
+    """Time over each option of a contestant and each count of a scenario that has several values."""
+    for subject in subjects:
+        where = f", {subject.label}" if len(subjects) > 1 else ""
+        for kind, found in (
+            ("option", line_figures.over_options(subject)),
+            ("count", line_figures.over_counts(subject)),
+        ):
+            for curves, rows in found:
+                of = f" of {curves.contestant}" if curves.contestant else ""
+                words = f"Time of an item of {curves.task}{where} over {curves.option}{of}"
+                yield Figure(
+                    f"{kind}-{curves.option}-{curves.task}-{subject.label}",
+                    "curves",
+                    f"{curves.task}{where}: over {curves.option}{of}",
+                    f"{words}; the numbers are in the table beside it",
+                    charts.curves(rows, curves.option),
+                    tables.curves_table(subject, curves),
+                )
+
+
+def _along(subjects: Sequence[Subject], charts: LineCharts) -> Iterator[Figure]:
+    """What was timed, and what was counted, along each run that says so."""
+    for subject in subjects:
+        where = f", {subject.label}" if len(subjects) > 1 else ""
+        for shown in line_figures.along(subject):
+            what = f"time of a {shown.axis}" if shown.is_time else "counts"
+            rest = f"; {plural(shown.left_out, 'backend')} with other options not drawn" if shown.left_out else ""
+            yield Figure(
+                f"along-{what}-{shown.task}-{subject.label}",
+                "along",
+                f"{shown.task}{where}: {what}{rest}",
+                f"Along the run of {shown.task}{where}, {what}, a panel for each quantity, a line for each backend",
+                charts.along(shown.rows, shown.axis, is_time=shown.is_time),
+                tables.along_table(shown, subject.label),
+            )
 
 
 def _draw(sections: Sequence[Section], step: Callable[[int, int], None]) -> list[Section]:
@@ -201,6 +244,16 @@ TIMES = (
     "Left of the line is faster. A filled mark is sure, a hollow one ranks nothing: a hint (about), where launches are too "
     "few, or inconclusive. A bar is the interval, with too few launches their range; on the reference it is what a second "
     "copy of it did. Within the grey band all are the same."
+)
+OPTIONS = (
+    "Time of an item, with the range of the launches, over what was chosen. In a ring: the least of a line. Hollow: shown to "
+    "be slower than that; of those that cannot be told apart from it all are filled. A level line is who has no such choice, "
+    "at its quickest; whoever is ten times off is in the table alone. (wrong answers): known to be so, ranked nowhere."
+)
+ALONG = (
+    "The run in stretches. Times are those of one step, with all phases and phase by phase, medians over samples. Counts are "
+    "those at the end of each stretch; splits, merges and the like since the run began. (wrong answers): known to be so, "
+    "ranked nowhere."
 )
 TRADE = (
     "Down and left is better. The line is the Pareto front of the medians. Filled: no other backend is shown to be better in "
@@ -224,12 +277,16 @@ def _drawn(spec: Spec) -> str:
     return svg.replace("<svg ", '<svg aria-hidden="true" ', 1)  # the chart has words, and the table has the numbers
 
 
+NEEDLESS = re.compile(
+    r' (?:pointer-events="none"|opacity="1"|stroke-width="1"|aria-hidden="true"|font-family="[^"]*"|role="graphics-[a-z]*"'
+    r'|aria-roledescription="[^"]*")'
+)
+"""Attributes that say what is so anyway, or what the words of a chart say."""
+
+
 def _slim(tag: str) -> str:
     """A tag without needless attributes, its lengths to a tenth of a pixel."""
-    tag = re.sub(
-        r' (?:pointer-events="none"|opacity="1"|stroke-width="1"|aria-hidden="true"|font-family="[^"]*")', "", tag
-    )
-    return re.sub(r"(\d\.\d)\d+", r"\1", tag)
+    return re.sub(r"(\d\.\d)\d+", r"\1", NEEDLESS.sub("", tag))
 
 
 def _library() -> bytes:

@@ -47,7 +47,7 @@
     if (want.scale === "linear") eachScale(spec, (scale) => { scale.type = "linear"; });
     if (spec.layer) {
       spec.width = room;
-      spec.height = spec.usermeta.row * Math.max(1, want.backends.length) * Math.max(1, want.models.length);
+      if (spec.usermeta) spec.height = spec.usermeta.row * Math.max(1, want.backends.length) * Math.max(1, want.models.length);
     } else if (spec.facet.row) spec.spec.width = Math.max(120, room - 70);
     else {
       const panel = spec.spec.width + 64;
@@ -140,7 +140,7 @@
   library.textContent = await unpacked("library");
   document.head.append(library);
   form.hidden = false;
-  if (matchMedia("(max-width: 40rem)").matches) form.querySelector("details").open = false;
+  if (matchMedia("(max-width: 40rem)").matches || form.querySelectorAll("[name=backends]").length > 16) form.querySelector("details").open = false;
   form.addEventListener("submit", (event) => event.preventDefault());
   form.addEventListener("change", () => { follow(asked()); redraw(); drawRest(); });
   dark.addEventListener("change", redraw);

@@ -5,11 +5,14 @@ from dataclasses import dataclass, field
 from statistics import median
 
 from tetrabench.bench.record import Results
+from tetrabench.report.curves import Curves
 from tetrabench.report.memory import memory_of
 from tetrabench.report.page.figures import Datum
+from tetrabench.report.page.line_figures import Along
 from tetrabench.report.page.subjects import Subject
+from tetrabench.report.parts import shown_name
 from tetrabench.report.sheets import Sheet
-from tetrabench.report.units import digits, duration, percent
+from tetrabench.report.units import digits, duration, one_of, percent
 
 
 @dataclass(frozen=True)
@@ -94,8 +97,8 @@ def samples_table(rows: Sequence[Datum], task: str) -> Table:
 def trade_table(rows: Sequence[Datum], model: str, kind: str, item: str) -> Table:
     """Time and memory of each backend in each task."""
     return Table(
-        caption=f"{model}: time of one run, and {kind} bytes a {item}; front: none is shown to be better",
-        head=["scenario", "backend", "model", "one run", f"bytes a {item}", "front"],
+        caption=f"{model}: time of one run, and {kind} bytes {one_of(item)}; front: none is shown to be better",
+        head=["scenario", "backend", "model", "one run", f"bytes {one_of(item)}", "front"],
         lines=[
             Line(
                 [row["task"], row["backend"], row["model"]],
@@ -132,6 +135,56 @@ def _time(ns: float | None) -> str:
     return "" if ns is None else duration(ns * 1e-9)
 
 
+def along_table(shown: Along, model: str) -> Table:
+    """How each quantity went along the run, of each backend."""
+    groups: dict[tuple[str, str], list[Datum]] = {}
+    for row in shown.rows:
+        groups.setdefault((row["panel"], row["line"]), []).append(row)
+    panels = list(dict.fromkeys(row["panel"] for row in shown.rows))
+    spell = duration if shown.is_time else _count
+    return Table(
+        caption=f"{shown.task}, {model}: along the run",
+        head=["what", "backend", "first", "least", "median", "largest", "last"],
+        lines=[
+            Line(
+                [panel, line],
+                [Entry(spell(x), x) for x in (values[0], min(values), median(values), max(values), values[-1])],
+                rows[0]["backend"],
+                model,
+            )
+            for (panel, line), rows in sorted(groups.items(), key=lambda group: panels.index(group[0][0]))
+            for values in [[row["value"] for row in rows]]
+        ],
+    )
+
+
+def _count(value: float) -> str:
+    return f"{value:,.0f}" if value >= 100 or value == int(value) else digits(value)
+
+
+def curves_table(subject: Subject, curves: Curves) -> Table:
+    """Time of an item for each value; then the levels, those that are beyond the chart too."""
+    lines = [(curve, point) for curve in (*curves.curves, *curves.levels, *curves.beyond) for point in curve.points]
+    return Table(
+        caption=f"{curves.task}, {subject.label}: time of an item over {curves.option}",
+        head=["backend", curves.option, "per item", "launches", "verdict"],
+        lines=[
+            Line(
+                [curve.label],
+                [
+                    Entry(f"{point.value:,}", point.value) if curve in curves.curves else Entry(""),
+                    Entry(duration(point.seconds), point.seconds),
+                    Entry(f"{duration(point.low)} to {duration(point.high)}" if point.low < point.high else ""),
+                    Entry("least" if point.is_least else "slower" if point.is_beaten else ""),
+                ],
+                shown_name(point.line.backend),
+                subject.label,
+            )
+            for curve, point in lines
+        ],
+    )
+
+
 def fields_table(rows: Sequence[Datum], item: str) -> Table:
     """Bytes an item of each buffer."""
     names = list(dict.fromkeys(row["field"] for row in rows))
@@ -139,7 +192,7 @@ def fields_table(rows: Sequence[Datum], item: str) -> Table:
     for row in rows:
         cells.setdefault((row["backend"], row["model"]), {})[row["field"]] = row["bytes"]
     return Table(
-        caption=f"Bytes a {item}, by buffer of the fresh structure",
+        caption=f"Bytes {one_of(item)}, by buffer of the fresh structure",
         head=["backend", "model", *names, "all"],
         lines=[
             Line(
