@@ -286,6 +286,33 @@ def test_figures_have_a_line_for_each_contestant_broken_where_it_is_wrong(runs):
     ]
 
 
+def test_a_line_far_above_leaves_the_panel_and_the_legend_stays_in_the_figure():
+    far = objects_run()
+    for model in far.models:
+        far = slow_on(far, model.name, "grid", 20.0)
+    title = "squares of one size, " + "objects sorted into them in each step, " * 4
+    backends = [msgspec.structs.replace(one, title=title) if one.name == "grid" else one for one in far.backends]
+    far = msgspec.structs.replace(far, backends=backends)
+    for run, is_cut in ((objects_run(), False), (far, True)):
+        (figure,) = draw_curves(compare_with_source([run], SOURCE), run).values()
+        figure.canvas.draw()
+        (axes,), (legend,) = figure.axes, figure.legends
+        tops = {line.get_color(): max(line.get_ydata()) for line in axes.lines if len(line.get_xdata()) == len(SIZES)}
+        assert len(tops) == 3
+        assert sum(top > axes.get_ylim()[1] for top in tops.values()) == is_cut
+        assert sorted(tops.values())[1] > 0.3 * axes.get_ylim()[1]
+        assert ("above the panel" in figure.get_supxlabel()) == is_cut
+        assert legend.get_window_extent().x1 < figure.bbox.width
+
+
+def slow_on(run, model, backend, factor):
+    samples = [
+        msgspec.structs.replace(one, cpu_s=factor * one.cpu_s) if (one.model, one.backend) == (model, backend) else one
+        for one in run.samples
+    ]
+    return msgspec.structs.replace(run, samples=samples)
+
+
 def test_panels_of_a_figure_have_one_scale_and_leaves_below(runs):
     panels = draw_curves(compare_with_source(runs, SOURCE), runs[0])["figures-12-to-15"].axes
     assert len({axes.get_ylim() for axes in panels[:4]}) == len({axes.get_ylim() for axes in panels[4:]}) == 1

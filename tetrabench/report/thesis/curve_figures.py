@@ -4,6 +4,7 @@ The source's text says where something is in them; its pictures have no figures 
 answers are wrong is broken.
 """
 
+import math
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
@@ -19,8 +20,12 @@ from tetrabench.report.thesis.comparison import Comparison, Drawn, DrawnAnew, Pa
 
 WIDTH, HEIGHT = 11.0, 5.2  # inches
 SECOND = 2.4  # inches, of a row of counts
+LETTERS = 66
+"""So many fit into half of the legend's width."""
 FAR = 30.0
 """Where times differ by so many times, they are far apart."""
+ABOVE = 2.0
+"""What is so many times as high as the source's own lines would flatten them."""
 MARKS = 10
 """So many points of a line carry its marker, about."""
 SAID = "#888888"
@@ -140,10 +145,27 @@ def _scale(axes: Axes, drawn: DrawnAnew) -> None:
     if drawn.is_log and max(times) > FAR * min(times):
         axes.set_yscale("log")
     else:
-        axes.set_ylim(bottom=0.0)
+        axes.set_ylim(0.0, 1.1 * _highest(drawn) if leaving(drawn) else None)
     if not drawn.is_log:
         axes.set_xlim(left=0.0)
         axes.xaxis.set_major_formatter(THOUSANDS)
+
+
+def _highest(drawn: DrawnAnew) -> float:
+    """The greatest time of the lines that stand for the source."""
+    return max((point.time for line in _lines(drawn) if line.words for point in line.points), default=math.inf)
+
+
+def leaving(drawn: DrawnAnew) -> list[str]:
+    """Whose lines leave the panels, for they are far above those that the figure is about."""
+    if drawn.is_log:
+        return []
+    above = (
+        line.contestant
+        for line in _lines(drawn)
+        if not line.words and max(point.time for point in line.points) > ABOVE * _highest(drawn)
+    )
+    return list(dict.fromkeys(above))
 
 
 def _add_legend(figure: Figure, drawn: DrawnAnew, styles: Mapping[str, Style]) -> None:
@@ -151,12 +173,16 @@ def _add_legend(figure: Figure, drawn: DrawnAnew, styles: Mapping[str, Style]) -
     lines = {line.contestant: line for line in _lines(drawn)}
     axes = figure.axes[0]
     handles = [
-        axes.plot([], [], **{**_look(line, styles[name]), "markevery": None}, label=words_of(line))[0]
+        axes.plot([], [], **{**_look(line, styles[name]), "markevery": None}, label=_short(words_of(line)))[0]
         for name, line in lines.items()
     ]
     title = f"{drawn.name.capitalize()} of the source, today: {drawn.caption}"
     look: Any = {"ncols": min(2, len(handles)), "frameon": False, "fontsize": 9, "handlelength": 3}
     figure.legend(handles=handles, title=title, loc="outside upper left", alignment="left", **look)
+
+
+def _short(words: str) -> str:
+    return textwrap.shorten(words, LETTERS, placeholder=" ...")
 
 
 def words_of(line: Drawn) -> str:
@@ -166,8 +192,8 @@ def words_of(line: Drawn) -> str:
 
 
 def three_digits(time: float) -> str:
-    """0.0842, 0.184, 12.4, 1,240."""
-    return f"{time:,.0f}" if time >= 100 else f"{time:.3g}"
+    """0.0842, 0.300, 12.4, 1,240."""
+    return f"{time:,.0f}" if time >= 100 else f"{time:#.3g}"
 
 
 def least_of(drawn: DrawnAnew) -> list[str]:
@@ -187,6 +213,8 @@ def _caption(drawn: DrawnAnew) -> str:
         said.append("Shades: intervals that hold with 95 % for all of a scenario together.")
     if any(not line.is_exact for line in _lines(drawn)):
         said.append("Broken line: its answers are wrong, so it is compared with nothing.")
+    if cut := leaving(drawn):
+        said.append(f"{' and '.join(cut)}: above the panel, see the table.")
     if least := least_of(drawn):
         said.append(f"{'; '.join(least)}.")
     return " ".join([*said, *_once(f"{panel.about}." for panel in drawn.panels)])
