@@ -96,6 +96,13 @@ def test_usual_choices(shown: list[tuple[Player, dict[str, object]]]) -> None:
     assert (watched.contestant.name, player.limit, said["frames_a_second"]) == ("kdtree", None, 60)
 
 
+def test_an_option_without_a_backend_is_that_of_the_one_asked_for(
+    shown: list[tuple[Player, dict[str, object]]],
+) -> None:
+    assert say("watch", "--backend", "grid", "--option", "per_ten=50").exit_code == 0
+    assert shown[0][0].simulation.contestant.options["per_ten"].value == 50
+
+
 def test_objects_of_a_file(shown: list[tuple[Player, dict[str, object]]], tmp_path: Path) -> None:
     start = Start(make_objects([10.0, 20.0, 30.0], [5.0, 5.0, 9.0]), 64.0, 32.0)
     write_objects(start, tmp_path / "three.csv")

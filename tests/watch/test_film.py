@@ -59,7 +59,7 @@ def test_pixels_are_of_the_colour_of_what_is_there(tmp_path: Path, suffix: str) 
 
 
 def test_borders_of_leaves_are_drawn_where_they_are(rng: np.random.Generator) -> None:
-    scene = make_player(rng).scene()
+    scene = make_player(rng, count=200).scene()
     scene = replace(scene, places=np.empty((0, 2)), radii=np.empty(0), in_contact=np.empty(0, np.bool_))
     figure = film.make_figure(scene.width, scene.height)
     film.paint(figure, scene)
@@ -87,6 +87,9 @@ def test_a_frame_a_step(rng: np.random.Generator, tmp_path: Path) -> None:
         for frame in range(4):
             image.seek(frame)
             frames.append(image.convert("RGB").tobytes())
+        ours = np.array(film._palette().getpalette()).reshape(-1, 3)
+        used = {colour for _, colour in image.convert("RGB").getcolors(1 << 16)}
+        assert used <= {tuple(colour) for colour in ours.tolist()}  # the same in all frames: nothing flickers
     assert len(set(frames)) == 4
     assert (tmp_path / "a.mp4").read_bytes()[4:8] == b"ftyp"
     frames, seconds = imageio_ffmpeg.count_frames_and_secs(str(tmp_path / "a.mp4"))

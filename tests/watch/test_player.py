@@ -228,6 +228,10 @@ def test_times_are_those_of_the_last_frames(rng: np.random.Generator, monkeypatc
     for _ in range(module.FRAMES + 2):
         player.advance()
     assert "pairs 3.00" in player.scene().lines[1]  # forgotten
+    clock["pairs"] += 1e3
+    player.press("b")
+    player.advance()
+    assert "pairs 3.00" in player.scene().lines[1]  # of the structure that it is in, alone
 
 
 def test_help_names_all_keys_and_all_keys_do_something(rng: np.random.Generator) -> None:

@@ -12,6 +12,7 @@ from tetrabench.collision.simulation import Simulation
 from tetrabench.watch.scene import (
     LEAST_LEAF,
     LEAST_RADIUS,
+    LONGEST_SIDE,
     View,
     bar_height,
     clipped,
@@ -124,6 +125,7 @@ def test_the_whole_box_lies_beneath_the_words(sides: tuple[float, float], lines:
     left, top, right, bottom = to_pixels(np.array([[0.0, 0.0, *sides]]), whole_view(start, width, height, lines))[0]
     assert 0 < left < right < width
     assert bar_height(lines) < top < bottom < height
+    assert max(right - left, bottom - top) > LONGEST_SIDE - 2
     np.testing.assert_allclose((right - left) / (bottom - top), sides[0] / sides[1], rtol=1e-6)
 
 

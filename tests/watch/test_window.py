@@ -1,6 +1,7 @@
 """The window, driven by events that are posted; and its painter, pixel by pixel beside that of films."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -195,7 +196,19 @@ def test_sprites_are_forgotten_when_there_are_many(rng: np.random.Generator, mon
     pygame.display.init()
     screen = pygame.display.set_mode((player.view.width, player.view.height))
     painter = window.Painter()
+    player.zoom(0.5, 400.0, 400.0)  # small ones have many sprites
     for _ in range(6):
         player.advance()
         painter.paint(screen, player.scene())
     assert len(painter._sprites) <= 20 + len(player.simulation)
+
+
+def test_large_objects_need_a_sprite_each(rng: np.random.Generator) -> None:
+    player = make_player(rng, count=1)
+    player.zoom(20.0, 400.0, 400.0)
+    player.view = replace(player.view, x=0.0, y=0.0)
+    painter = window.Painter()
+    for place in np.linspace(0, 1, 9):
+        player.simulation.objects.x[:] = player.simulation.objects.y[:] = place
+        pixels_of(player.scene(), painter)
+    assert len(painter._sprites) == 1
