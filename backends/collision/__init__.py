@@ -23,7 +23,7 @@ __all__ = ["CONTESTANTS", "STRUCTURES", "follow", "search"]
 _SOURCE = "Optimizacija zaznave trkov v 2D, Slovenia, 2025"
 
 _TREE = {
-    "capacity": Option(16, 1, 63, "objects that a leaf holds at most"),
+    "capacity": Option(32, 1, 63, "objects that a leaf holds at most"),
     "recycle": Option(1, 0, 1, "whether sparse leaves are merged"),
     "median": Option(0, 0, 1, "whether a leaf is split at the median of a coordinate, rather than at the mean"),
 }

@@ -59,6 +59,10 @@ def pairs(storage, x, y, r, out):
 
 @implements(interface.query_rect, ScipyTree)
 def query_rect(storage, x, y, x_low, y_low, x_high, y_high, out):
+    if not (x_low <= x_high and y_low <= y_high) or storage.tree.n == 0:
+        return 0
+    (left, bottom), (right, top) = storage.tree.mins, storage.tree.maxes  # ends may be infinite, and a middle may not
+    x_low, y_low, x_high, y_high = max(x_low, left), max(y_low, bottom), min(x_high, right), min(y_high, top)
     if not (x_low <= x_high and y_low <= y_high):
         return 0
     middle = (0.5 * x_low + 0.5 * x_high, 0.5 * y_low + 0.5 * y_high)

@@ -23,15 +23,22 @@ LEFT, BOTTOM, SIDE = range(3)
 COLUMNS, ROWS, SORTED = range(3)
 
 
+class Sorted(NamedTuple):
+    """Objects square by square. number: (n,) int32: which; x, y, r: (n,) float64: theirs."""
+
+    number: NDArray[np.int32]
+    x: Floats
+    y: Floats
+    r: Floats
+
+
 class Grid(NamedTuple):
     """Objects in the order of their squares, which are numbered row by row.
 
     Attributes:
         starts: (room,) int32: where each square begins; behind the last one, n.
         cell: (n,) int32: the square of each object, in the order of the step before.
-        number: (n,) int32: the objects, square by square; spare: the same of the step before.
-        x, y, r: (n,) float64: theirs, square by square.
-        radius: (n,) float64: by number; not the grid's own.
+        old: the objects; new: room for those of the next step, which then takes the place of old.
         frame: (3,) float64: LEFT and BOTTOM of the grid, SIDE of a square.
         shape: (3,) int64: COLUMNS and ROWS, and how often objects were SORTED.
         reach: how near to each other centres have to be to be looked at; per_ten: objects wanted in ten squares.
@@ -39,12 +46,8 @@ class Grid(NamedTuple):
 
     starts: NDArray[np.int32]
     cell: NDArray[np.int32]
-    number: NDArray[np.int32]
-    spare: NDArray[np.int32]
-    x: Floats
-    y: Floats
-    r: Floats
-    radius: Floats
+    old: Sorted
+    new: Sorted
     frame: Floats
     shape: NDArray[np.int64]
     reach: float
@@ -58,17 +61,13 @@ def make_grid(x: Floats, y: Floats, r: Floats, values: Options) -> Grid:
 
 
 def empty_grid(r: Floats, reach: float, per_ten: int) -> Grid:
-    """A grid that holds nothing yet. No more than three times as many squares as are wanted: see `lay_out`."""
+    """A grid before its objects were sorted. There are never three times as many squares as are wanted: see `lay_out`."""
     count = len(r)
     return Grid(
         starts=np.zeros(30 * count // per_ten + 8, np.int32),
         cell=np.zeros(count, np.int32),
-        number=np.arange(count, dtype=np.int32),
-        spare=np.zeros(count, np.int32),
-        x=np.zeros(count),
-        y=np.zeros(count),
-        r=np.zeros(count),
-        radius=r,
+        old=Sorted(np.arange(count, dtype=np.int32), np.zeros(count), np.zeros(count), r.copy()),
+        new=Sorted(np.zeros(count, np.int32), np.zeros(count), np.zeros(count), np.zeros(count)),
         frame=np.array([0.0, 0.0, 1.0]),
         shape=np.array([1, 1, 0]),
         reach=reach,
@@ -94,7 +93,7 @@ def query_rect(storage, x, y, x_low, y_low, x_high, y_high, out):
 @implements(interface.stats, Grid)
 def stats(storage):
     cells = int(storage.shape[COLUMNS] * storage.shape[ROWS])
-    return {"leaves": cells, "fill": len(storage.number) / cells, "rebuilds": int(storage.shape[SORTED]) - 1}
+    return {"leaves": cells, "fill": len(storage.cell) / cells, "rebuilds": int(storage.shape[SORTED]) - 1}
 
 
 @implements(interface.leaf_rectangles, Grid)
@@ -108,47 +107,40 @@ def leaf_rectangles(storage):
 @implements(interface.structure_bytes, Grid)
 def structure_bytes(storage):
     used = 4 * int(storage.shape[COLUMNS] * storage.shape[ROWS] + 1)
-    return interface.bytes_of(storage, without=("radius",)) | {"starts": (used, storage.starts.nbytes)}
+    sizes = interface.bytes_of(storage) | {"starts": (used, storage.starts.nbytes)}
+    for part in ("old", "new"):
+        sizes |= {f"{part}.{name}": size for name, size in interface.bytes_of(getattr(storage, part)).items()}
+    return sizes
 
 
 @kernel
 def follow(grid, x, y):
-    """Sort the objects again, in the order in which the step before has left them, for most are still where they were."""
+    """Sort the objects again, in the order in which the step before has left them, for most are still where they were.
+
+    Their places are fetched once, in that order; what is sorted after that is near to where it goes.
+    """
     lay_out(grid, x, y)
     left, bottom, side = grid.frame[LEFT], grid.frame[BOTTOM], grid.frame[SIDE]
     columns, rows = grid.shape[COLUMNS], grid.shape[ROWS]
-    starts, cell, number = grid.starts, grid.cell, grid.number
+    starts, cell, old, new = grid.starts, grid.cell, grid.old, grid.new
     starts[: columns * rows + 1] = 0
-    for place in range(len(number)):
-        i = number[place]
-        c = square_of(y[i], bottom, side, rows) * columns + square_of(x[i], left, side, columns)
-        cell[place] = c
+    for place in range(len(cell)):
+        i = old.number[place]
+        px, py = x[i], y[i]
+        c = square_of(py, bottom, side, rows) * columns + square_of(px, left, side, columns)
+        old.x[place], old.y[place], cell[place] = px, py, c
         starts[c] += 1
     total = 0
     for c in range(columns * rows + 1):
         total += starts[c]
         starts[c] = total
-    for place in range(len(number) - 1, -1, -1):  # from the back, so that those of a square keep their order
-        i, c = number[place], cell[place]
+    for place in range(len(cell) - 1, -1, -1):  # from the back, so that those of a square keep their order
+        c = cell[place]
         starts[c] -= 1
-        new = starts[c]
-        grid.spare[new] = i
-        grid.x[new], grid.y[new], grid.r[new] = x[i], y[i], grid.radius[i]
+        to = starts[c]
+        new.number[to], new.x[to], new.y[to], new.r[to] = old.number[place], old.x[place], old.y[place], old.r[place]
     grid.shape[SORTED] += 1
-    return Grid(
-        starts,
-        cell,
-        grid.spare,
-        number,
-        grid.x,
-        grid.y,
-        grid.r,
-        grid.radius,
-        grid.frame,
-        grid.shape,
-        grid.reach,
-        grid.per_ten,
-    )
+    return Grid(starts, cell, new, old, grid.frame, grid.shape, grid.reach, grid.per_ten)
 
 
 @kernel(allocates=False)
@@ -212,12 +204,13 @@ def find_near(grid, more, out):
 @kernel(allocates=False, inline=True)
 def test_stretch(grid, more, place, first, last, out, count):
     """One object against some that lie side by side."""
-    px, py, pr = grid.x[place], grid.y[place], grid.r[place]
+    objects = grid.old
+    px, py, pr = objects.x[place], objects.y[place], objects.r[place]
     for other in range(first, last):
-        dx, dy, near = px - grid.x[other], py - grid.y[other], pr + grid.r[other] + more
+        dx, dy, near = px - objects.x[other], py - objects.y[other], pr + objects.r[other] + more
         if dx * dx + dy * dy < near * near:
             if count < len(out):
-                i, j = grid.number[place], grid.number[other]
+                i, j = objects.number[place], objects.number[other]
                 out[count, 0], out[count, 1] = min(i, j), max(i, j)
             count += 1
     return count
@@ -235,7 +228,7 @@ def look_into(grid, x, y, x_low, y_low, x_high, y_high, moved, out):
     count = 0
     for row in range(square_of(y_low - moved, bottom, side, rows), square_of(y_high + moved, bottom, side, rows) + 1):
         for place in range(grid.starts[row * columns + first], grid.starts[row * columns + last + 1]):
-            i = grid.number[place]
+            i = grid.old.number[place]
             if x_low <= x[i] <= x_high and y_low <= y[i] <= y_high:
                 if count < len(out):
                     out[count] = i

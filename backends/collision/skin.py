@@ -30,6 +30,7 @@ class Skin(NamedTuple):
         near, spare: (room, 2) int32: the list, in the order of numbers; room to sort it.
         square: (room,) float64: the square of the sum of the radii of each pair.
         counts: (2^BITS,) int64: to sort with.
+        radius: (n,) float64: by number; not the list's own.
         then_x, then_y: (n,) float64: where the objects were when the list was made.
         state: (2,) int64: how many pairs are LISTED; how often the list was made.
         skin: how much further apart they may be than the sum of their radii.
@@ -40,6 +41,7 @@ class Skin(NamedTuple):
     spare: Pairs
     square: Floats
     counts: NDArray[np.int64]
+    radius: Floats
     then_x: Floats
     then_y: Floats
     state: NDArray[np.int64]
@@ -57,6 +59,7 @@ def make_skin(x: Floats, y: Floats, r: Floats, values: Options) -> Skin:
         spare=near.copy(),
         square=np.empty(64),
         counts=np.zeros(1 << BITS, np.int64),
+        radius=r,
         then_x=np.zeros(len(x)),
         then_y=np.zeros(len(x)),
         state=np.array([0, -1]),
@@ -99,7 +102,7 @@ def structure_bytes(storage):
     room = len(storage.near)
     lists = {name: (size * listed, size * room) for name, size in (("near", 8), ("spare", 8), ("square", 8))}
     grid = {f"grid.{name}": size for name, size in interface.structure_bytes(storage.grid).items()}
-    return interface.bytes_of(storage) | lists | grid
+    return interface.bytes_of(storage, without=("radius",)) | lists | grid
 
 
 @kernel(allocates=False)
@@ -123,13 +126,24 @@ def make_list(storage, x, y):
         listed = find_near(grid, storage.skin, near)
     put_in_order(near, spare, storage.counts, listed, len(x))
     for k in range(listed):
-        reach = grid.radius[near[k, 0]] + grid.radius[near[k, 1]]
+        reach = storage.radius[near[k, 0]] + storage.radius[near[k, 1]]
         square[k] = reach * reach
     for i in range(len(x)):
         storage.then_x[i], storage.then_y[i] = x[i], y[i]
     storage.state[LISTED] = listed
     storage.state[REBUILDS] += 1
-    return Skin(grid, near, spare, square, storage.counts, storage.then_x, storage.then_y, storage.state, storage.skin)
+    return Skin(
+        grid,
+        near,
+        spare,
+        square,
+        storage.counts,
+        storage.radius,
+        storage.then_x,
+        storage.then_y,
+        storage.state,
+        storage.skin,
+    )
 
 
 @kernel(allocates=False)

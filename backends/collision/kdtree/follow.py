@@ -100,10 +100,11 @@ def merge_sparse(tree):
             b, other = np.int64(tree.buffer[left]), np.int64(tree.buffer[left + 1])
             if b == NOWHERE or other == NOWHERE:
                 break
-            if 4 * tree.held[tree.buffer[node]] > capacity or 3 * (tree.held[b] + tree.held[other]) > 2 * capacity:
-                break
             if tree.held[b] < tree.held[other]:
                 b, other = other, b
+            # either of them may be the sparse one: the other may have become a leaf only now
+            if 4 * tree.held[other] > capacity or 3 * (tree.held[b] + tree.held[other]) > 2 * capacity:
+                break
             for moved in range(tree.held[other]):
                 put(
                     tree, b, tree.number[other, moved], tree.x[other, moved], tree.y[other, moved], tree.r[other, moved]

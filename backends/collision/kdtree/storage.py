@@ -30,6 +30,7 @@ class KdTree(NamedTuple):
         axis: (nodes,) int8: 0, x < split is left, or 1, y < split is left.
         split: (nodes,) float64.
         rect: (nodes, 4) float64: X_LOW, Y_LOW, X_HIGH, Y_HIGH, the high ends excluded; the outermost are infinite.
+        extent: (nodes, 4) float64: of a leaf's centres, when pairs were looked for last.
         level: (nodes,) int32: of the root 0.
         buffer: (nodes,) int32: of a leaf, else NOWHERE.
         held: (buffers,) int32: objects in a buffer.
@@ -37,7 +38,7 @@ class KdTree(NamedTuple):
         number: (buffers, capacity) int32: objects; x, y, r: (buffers, capacity) float64: theirs.
         spare: (buffers,) int32: a stack of buffers that are not in use.
         movers: (n,) int32: objects that are to be inserted; sparse: (nodes,) int32: leaves that may be merged.
-        stack: (depth,) int32: nodes that a search comes back to.
+        stack: (depth, 2) int32: nodes, or pairs of them, that a search comes back to.
         radius: (n,) float64: by number; not the tree's own.
         state: (10,) int64: nodes and buffers in use, SPARE buffers, MOVERS, SPARSE leaves, LEAVES, DEPTH, and counts of
             RELOCATIONS, SPLITS and MERGES.
@@ -51,6 +52,7 @@ class KdTree(NamedTuple):
     axis: NDArray[np.int8]
     split: Floats
     rect: Floats
+    extent: Floats
     level: NDArray[np.int32]
     buffer: NDArray[np.int32]
     held: NDArray[np.int32]
@@ -71,7 +73,7 @@ class KdTree(NamedTuple):
     search: int
 
 
-NODE_ARRAYS = ("child", "up", "axis", "split", "rect", "level", "buffer", "sparse")
+NODE_ARRAYS = ("child", "up", "axis", "split", "rect", "extent", "level", "buffer", "sparse")
 BUFFER_ARRAYS = ("held", "chained", "number", "x", "y", "r", "spare")
 
 
@@ -84,6 +86,7 @@ def empty_tree(r: Floats, capacity: int, *, recycles: bool, by_median: bool, sea
         axis=np.zeros(nodes, np.int8),
         split=np.zeros(nodes),
         rect=np.zeros((nodes, 4)),
+        extent=np.zeros((nodes, 4)),
         level=np.zeros(nodes, np.int32),
         buffer=np.full(nodes, NOWHERE, np.int32),
         held=np.zeros(buffers, np.int32),
@@ -95,7 +98,7 @@ def empty_tree(r: Floats, capacity: int, *, recycles: bool, by_median: bool, sea
         spare=np.zeros(buffers, np.int32),
         movers=np.zeros(len(r), np.int32),
         sparse=np.zeros(nodes, np.int32),
-        stack=np.zeros(64, np.int32),
+        stack=np.zeros((256, 2), np.int32),
         radius=r,
         state=np.zeros(10, np.int64),
         largest=float(r.max(initial=0.0)),
@@ -110,13 +113,19 @@ def empty_tree(r: Floats, capacity: int, *, recycles: bool, by_median: bool, sea
 
 
 @kernel(allocates=False, inline=True)
+def has_depth(state, stack):
+    """Whether the stack serves a tree with one level more: a walk leaves two pairs waiting at each level of both nodes."""
+    return 4 * (state[DEPTH] + 2) <= len(stack)
+
+
+@kernel(allocates=False, inline=True)
 def has_room(tree):
     """Whether an object can be inserted, which takes two nodes, a buffer and a level at most."""
     state = tree.state
     return (
         state[NODES] + 2 <= len(tree.child)
         and (state[SPARE] > 0 or state[BUFFERS] < len(tree.held))
-        and state[DEPTH] + 3 <= len(tree.stack)
+        and has_depth(tree.state, tree.stack)
     )
 
 
@@ -124,15 +133,15 @@ def has_room(tree):
 def grow(tree):
     """The tree with half as much room again wherever it is short."""
     state = tree.state
-    child, up, axis, split, rect = tree.child, tree.up, tree.axis, tree.split, tree.rect
-    level, buffer, sparse = tree.level, tree.buffer, tree.sparse
+    child, up, axis, split = tree.child, tree.up, tree.axis, tree.split
+    rect, extent, level, buffer, sparse = tree.rect, tree.extent, tree.level, tree.buffer, tree.sparse
     held, chained, spare = tree.held, tree.chained, tree.spare
     number, x, y, r, stack = tree.number, tree.x, tree.y, tree.r, tree.stack
     if state[NODES] + 2 > len(child):
         more = len(child) // 2
         child, up = np.append(child, np.full(more, NOWHERE, np.int32)), np.append(up, np.full(more, NOWHERE, np.int32))
         axis, split = np.append(axis, np.zeros(more, np.int8)), np.append(split, np.zeros(more))
-        rect = np.concatenate((rect, np.zeros((more, 4))))
+        rect, extent = np.concatenate((rect, np.zeros((more, 4)))), np.concatenate((extent, np.zeros((more, 4))))
         level, sparse = np.append(level, np.zeros(more, np.int32)), np.append(sparse, np.zeros(more, np.int32))
         buffer = np.append(buffer, np.full(more, NOWHERE, np.int32))
     if state[SPARE] == 0 and state[BUFFERS] == len(held):
@@ -142,14 +151,15 @@ def grow(tree):
         number = np.concatenate((number, np.zeros((more, number.shape[1]), np.int32)))
         room = np.zeros((more, number.shape[1]))
         x, y, r = np.concatenate((x, room)), np.concatenate((y, room)), np.concatenate((r, room))
-    if state[DEPTH] + 3 > len(stack):
-        stack = np.append(stack, np.zeros(len(stack) // 2, np.int32))
+    if not has_depth(state, stack):
+        stack = np.zeros((2 * len(stack), 2), np.int32)
     return KdTree(
         child,
         up,
         axis,
         split,
         rect,
+        extent,
         level,
         buffer,
         held,
