@@ -105,7 +105,7 @@ def test_options_change_within_their_limits(rng: np.random.Generator) -> None:
 
 
 def test_more_capacity_means_fewer_leaves(rng: np.random.Generator) -> None:
-    player = make_player(rng, count=120)
+    player = make_player(rng, count=300)
     player.press("space")
     leaves = []
     for _ in range(3):

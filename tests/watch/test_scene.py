@@ -9,6 +9,7 @@ from tests.watch.made import SIDE, make_start, naive_contacts
 from tetrabench.backends.collision import STRUCTURES
 from tetrabench.collision.objects import Start, make_objects
 from tetrabench.collision.simulation import Simulation
+from tetrabench.watch.opening import with_option
 from tetrabench.watch.scene import (
     LEAST_LEAF,
     LEAST_RADIUS,
@@ -66,7 +67,7 @@ def test_a_structure_that_misses_contacts_shows_that_it_does(rng: np.random.Gene
 
 def test_leaves_of_a_tree_divide_the_box(rng: np.random.Generator) -> None:
     """Rounded alike on both sides of a border, they leave no gap and overlap nowhere."""
-    simulation = Simulation(make_start(rng, 60), STRUCTURES["kdtree"])
+    simulation = Simulation(make_start(rng, 60), with_option(STRUCTURES["kdtree"], "capacity", 8))
     scene, view = scene_of(simulation)
     width, height = np.rint(scene.box[2:]) - np.rint(scene.box[:2])
     covered = np.zeros((view.width, view.height), np.int64)
