@@ -23,6 +23,7 @@ from tetrabench.report.line_charts import draw_curves, draw_series
 from tetrabench.report.parts import make_parts
 from tetrabench.report.series import courses_of
 from tetrabench.report.style import make_styles
+from tetrabench.report.table import as_text
 
 EVERYBODY = make_contestants(CAPACITIES)
 TWENTY = make_contestants(range(1, 21), names=["kdtree", "grid", "skin"])
@@ -211,3 +212,10 @@ def test_dots_and_bars_of_many_backends_have_room():
         assert len(boxes) == len(TWENTY)
         assert all(not one.overlaps(other) for one, other in pairwise(boxes))
     assert "kdtree capacity=1, 2" in all_words(draw_growth(results, summary(results)))
+
+
+def test_tables_say_where_series_are_shown():
+    results = make_run({"motion": 1.0, "gravity": 2.0}, make_contestants(), launches=1)
+    assert "Along the run of motion, gravity: charts of `tetrabench report`, or --charts." in as_text(results)
+    results = make_run({"motion": 1.0}, make_contestants(), launches=1, stretches=0)
+    assert "Along the run" not in as_text(results)

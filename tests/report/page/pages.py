@@ -7,6 +7,7 @@ import msgspec
 import pytest
 
 from tests.report.made import change, make_backend, make_results, make_sweep
+from tests.report.made_lines import make_contestants, make_run
 from tests.report.thesis.test_thesis import run_of
 from tetrabench.bench import Results
 
@@ -78,6 +79,12 @@ def single() -> list[tuple[str, Results]]:
     alone = [sample for sample in made.samples if sample.backend == "v3y"]
     backends = [backend for backend in made.backends if not backend.control]
     return [("single", msgspec.structs.replace(made, samples=alone, backends=backends))]
+
+
+def lines() -> list[tuple[str, Results]]:
+    """A run over an option of a contestant and a count of a scenario, whose samples tell series; one is known to be wrong."""
+    tasks = {"gravity": 1.0} | {f"concentration area={area}": 1.0 for area in (100, 1000, 10_000)}
+    return [("lines", make_run(tasks, make_contestants((4, 8, 16, 32)), launches=8))]
 
 
 def browser_path() -> Path:

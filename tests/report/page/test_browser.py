@@ -7,7 +7,18 @@ from typing import Any
 
 import pytest
 
-from tests.report.page.pages import EVIL, HOSTILE, broken, browser_path, hostile, single, sweep, thesis, two_runs
+from tests.report.page.pages import (
+    EVIL,
+    HOSTILE,
+    broken,
+    browser_path,
+    hostile,
+    lines,
+    single,
+    sweep,
+    thesis,
+    two_runs,
+)
 from tetrabench.bench.statistics import summary_against
 from tetrabench.report.cells import interval_of
 from tetrabench.report.page import make_page
@@ -20,7 +31,15 @@ pytest.importorskip("vl_convert")
 pytestmark = pytest.mark.xdist_group("browser")  # one browser for all
 
 SIZES = {"desk": (1280, 900), "phone": (390, 844)}
-MADE = {"two": two_runs, "sweep": sweep, "hostile": hostile, "thesis": thesis, "broken": broken, "single": single}
+MADE = {
+    "two": two_runs,
+    "sweep": sweep,
+    "hostile": hostile,
+    "thesis": thesis,
+    "broken": broken,
+    "single": single,
+    "lines": lines,
+}
 QUIET = [
     "--no-sandbox",
     "--disable-gpu",
@@ -198,6 +217,18 @@ def test_a_backend_that_is_not_wanted_leaves_charts_and_tables(visit):
     assert figure.locator("tr[data-backend=v4]:visible").count() == 2
 
 
+def test_a_curve_loses_the_point_of_a_backend_that_is_not_wanted(visit):
+    here = visit("lines")
+    name = "option-capacity-gravity-uniform"
+    assert "leaf-only (wrong answers)" in here.words(name)
+    marks = here.chart(name).locator(".mark-symbol.role-mark path").count()
+    assert here.page.locator("#controls details").get_attribute("open") is not None
+    here.do(name, lambda page: page.locator('input[name=backends][value="kdtree capacity=4"]').uncheck())
+    assert here.chart(name).locator(".mark-symbol.role-mark path").count() == marks - 1
+    here.do(name, lambda page: page.locator("input[value=linear]").check())
+    assert here.said == []
+
+
 def test_a_model_that_is_not_wanted_leaves(visit):
     here = visit("two")
     before = here.chart("times-init").locator(".mark-symbol path").count()
@@ -315,7 +346,9 @@ def test_ink_is_light_in_the_dark(visit):
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize(("name", "size"), [("two", "desk"), ("two", "phone"), ("sweep", "desk"), ("thesis", "desk")])
+@pytest.mark.parametrize(
+    ("name", "size"), [("two", "desk"), ("two", "phone"), ("sweep", "desk"), ("thesis", "desk"), ("lines", "desk")]
+)
 def test_no_barrier_by_axe(visit, name, size, scheme):
     axe = pytest.importorskip("axe_playwright_python.sync_playwright")
     here = visit(name, size=size, color_scheme=scheme)

@@ -31,8 +31,10 @@ class LineCharts(Charts):
 
     def along(self, rows: Sequence[Datum], axis: str, *, is_time: bool) -> Spec:
         """A panel for each quantity, each with its own scale, from zero unless times span too much for that."""
-        values = [row["value"] for row in rows]
-        is_log = is_time and spans(values)
+        panels: dict[str, list[float]] = {}
+        for row in rows:
+            panels.setdefault(row["panel"], []).append(row["value"])
+        is_log = is_time and any(map(spans, panels.values())) and min(map(min, panels.values())) > 0
         x = {
             "field": "place",
             "type": "quantitative",
@@ -45,7 +47,7 @@ class LineCharts(Charts):
             "type": "quantitative",
             "title": None,
             "scale": TOGGLED if is_log else {"zero": True},
-            "axis": {"tickCount": 4} | (_seconds(values) if is_time else {"labelExpr": _COUNT}),
+            "axis": {"tickCount": 4} | (_seconds(is_log=is_log) if is_time else {"labelExpr": _COUNT}),
         }
         colour, dash, shape = (self._line(part, rows) for part in ("stroke", "dash", "shape"))
         every = max(1, (1 + max(row["spot"] for row in rows)) // MARKS)
@@ -74,9 +76,8 @@ class LineCharts(Charts):
                 },
             ],
         }
-        panels = list(dict.fromkeys(row["panel"] for row in rows))
         apart = {"scale": {"y": "independent"}}
-        return self._spec(rows, facet=self._facet("panel", panels), columns=3, spec=panel, resolve=apart)
+        return self._spec(rows, facet=self._facet("panel", list(panels)), columns=3, spec=panel, resolve=apart)
 
     def curves(self, rows: Sequence[Datum], option: str) -> Spec:
         """Time of an item: a line for each curve, a level line, with its name beside it, for who has no such option."""
@@ -94,7 +95,7 @@ class LineCharts(Charts):
             "type": "quantitative",
             "title": "time of an item",
             "scale": TOGGLED if spans(times) else {"zero": True},
-            "axis": {"tickCount": 6} | _seconds(times),
+            "axis": {"tickCount": 6} | _seconds(is_log=spans(times)),
         }
         colour, dash, shape = (self._line(part, rows) for part in ("stroke", "dash", "shape"))
         beside = max((LETTER * len(row["line"]) + 12 for row in rows if row["level"]), default=5)
@@ -171,9 +172,9 @@ class LineCharts(Charts):
         return {"field": "line", "type": "nominal", "scale": self._scale(looks), "legend": legend}
 
 
-def _seconds(values: Sequence[float]) -> Spec:
+def _seconds(*, is_log: bool) -> Spec:
     """Of an axis; where it is logarithmic only 1, 2, 5, 10, ... have a label and a line."""
-    if not spans(values):
+    if not is_log:
         return {"labelExpr": _SECONDS}
     lines = {"condition": {"test": ROUND, "value": 0.4}, "value": 0}
     return {"labelExpr": f"{ROUND} ? ({_SECONDS}) : ''", "gridOpacity": lines, "tickOpacity": lines}
