@@ -24,9 +24,9 @@ test: $(VENV)/developing  ## the fast suite
 	$(BIN)/python -m pytest -n auto --dist loadgroup
 
 test-all: test  ## the suite with all property tests, with bounds checks, and with the JIT off
-	TETRABENCH_TESTS=thorough $(BIN)/python -m pytest -n auto --dist loadgroup tests/tetra/test_stateful.py tests/polygon tests/halfface/test_stateful.py tests/halfface/test_sets.py tests/io
-	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -n auto --dist loadgroup tests/tetra tests/polygon tests/halfface tests/io tests/mesh tests/scenarios
-	NUMBA_DISABLE_JIT=1 TETRABENCH_TESTS=slow-motion $(BIN)/python -m pytest -n auto tests/tetra tests/polygon tests/halfface tests/io tests/mesh tests/scenarios
+	TETRABENCH_TESTS=thorough $(BIN)/python -m pytest -n auto --dist loadgroup tests/tetra/test_stateful.py tests/polygon tests/collision tests/halfface/test_stateful.py tests/halfface/test_sets.py tests/io
+	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest -n auto --dist loadgroup tests/tetra tests/polygon tests/collision tests/halfface tests/io tests/mesh tests/scenarios
+	NUMBA_DISABLE_JIT=1 TETRABENCH_TESTS=slow-motion $(BIN)/python -m pytest -n auto tests/tetra tests/polygon tests/collision tests/halfface tests/io tests/mesh tests/scenarios
 
 lint: $(VENV)/developing  ## style, and the direction of imports
 	$(BIN)/ruff format --check .

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 
+import collision_tables
 import polygon_tables
 
 RESULTS = Path(__file__).parent
@@ -20,8 +21,7 @@ README, FINDINGS, HALFFACE, POLYGON, COLLISION = (
     RESULTS.parent / "docs" / "collision.md",
 )
 COLLISIONS = {
-    # 100000, for 50k,100k is read as one number with a comma
-    "objects": "--objects 10k,20k,50k,100000,200000 --scenario motion --option motion.steps=100 "
+    "objects": "--objects 10k,20k,50k,100k,200k --scenario motion --option motion.steps=100 "
     "--backend kdtree,grid,skin,ckdtree,leaf-only",
     "capacity": "--objects 10k --scenario motion --option motion.steps=1000 --backend kdtree,leaf-only "
     "--option capacity=1,2,3,4,6,8,10,12,16,20,24,32,40,48,63",
@@ -52,6 +52,15 @@ RUNS = (
     | {
         f"collision-{name}": f"--family collision --model uniform --rounds 1 {options}"
         for name, options in COLLISIONS.items()
+    }
+    | {
+        "collision-bars": "--family collision --model uniform --objects 100k --scenario motion "
+        "--backend kdtree,grid,skin,ckdtree --option kdtree.capacity=8,16,24,32,48,63 --reference ckdtree --rounds 1",
+    }
+    | {
+        f"collision-{model}": f"--family collision --model {model} --objects 100k "
+        f"--scenario {','.join(collision_tables.TASKS)} --backend kdtree,grid,skin,ckdtree --rounds 1"
+        for model in collision_tables.MODELS
     }
 )
 """File in this folder -> what `tetrabench run` is told."""
@@ -144,8 +153,8 @@ def contests(name: str) -> str:
     return _markdown(lines)
 
 
-def polygon(make: Callable[[], polygon_tables.Lines]) -> str:
-    """A table of docs/polygon.md."""
+def made(make: Callable[[], list[list[str]]]) -> str:
+    """A table of docs/polygon.md or docs/collision.md."""
     return _markdown(make())
 
 
@@ -175,9 +184,11 @@ BLOCKS: dict[str, tuple[Path, Callable[[], str]]] = {
     "half-faces beside packages": (HALFFACE, partial(contests, "peers-examples")),
     "findings about polygons": (POLYGON, partial(findings, "polygon-source")),
     "findings about collisions": (COLLISION, partial(findings, "collision-source")),
-    "polygon values": (POLYGON, partial(polygon, polygon_tables.values)),
-    "polygon queries": (POLYGON, partial(polygon, polygon_tables.queries)),
-    "polygon shares": (POLYGON, partial(polygon, polygon_tables.shares)),
+    "collision bars": (COLLISION, partial(made, collision_tables.bars)),
+    "collision models": (COLLISION, partial(made, collision_tables.models)),
+    "polygon values": (POLYGON, partial(made, polygon_tables.values)),
+    "polygon queries": (POLYGON, partial(made, polygon_tables.queries)),
+    "polygon shares": (POLYGON, partial(made, polygon_tables.shares)),
     "polygon peers": (POLYGON, polygon_peers),
 } | {
     f"table {name}": (README if name == "nozzle-120k-quick" else FINDINGS, partial(table, name))

@@ -37,7 +37,12 @@ STRUCTURES = {
             title="a k-d tree with objects in its leaves, mended as they move",
             trade_off="fits any distribution, and only what leaves its leaf is moved; each search walks nodes",
             build=make_kdtree,
-            options=_TREE | {"per_leaf": Option(1, 0, 1, "whether one search serves a leaf, rather than each object")},
+            options=_TREE
+            | {
+                "per_leaf": Option(
+                    1, 0, 1, "whether leaves are held against each other, rather than each object looking around"
+                )
+            },
             source=_SOURCE,
         ),
         CollisionContestant(
@@ -53,7 +58,7 @@ STRUCTURES = {
             title="a list of pairs that are nearly in contact, made by a grid when objects have moved far enough",
             trade_off="most steps only test the list; the faster the fastest object, the more often it is made",
             build=make_skin,
-            options={"skin": Option(200, 1, 2000, "its width, percent of the largest diameter"), "per_ten": _PER_TEN},
+            options={"skin": Option(300, 1, 2000, "its width, percent of the largest diameter"), "per_ten": _PER_TEN},
             extension=True,
         ),
         CollisionContestant(

@@ -31,7 +31,7 @@ def read_counts(ctx: click.Context, param: click.Parameter, text: str | None) ->
     """One or several of `read_count`, by commas; several make a sweep."""
     if text is None:
         return None
-    counts = [read_count(ctx, param, part) for part in re.split(r",(?!\d{3}(?!\d))", text)]
+    counts = [read_count(ctx, param, part) for part in re.split(r",(?!\d{3}(?![\dkM.]))", text)]
     return [number for number in counts if number is not None]
 
 
