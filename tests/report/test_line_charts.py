@@ -130,6 +130,7 @@ def test_hollow_is_who_is_shown_to_be_slower():
 def test_who_is_far_is_named_below():
     figure = curves_of(make_run({"motion": 1.0}, EVERYBODY))
     assert re.search(r"Beyond the chart: brute [89]\d\.\d us\.", all_words(figure))
+    assert all_words(figure).count("A name with a * is not from the source.") == 1  # grid*, a level
     (axes,) = panels(figure)
     assert axes.get_ylim()[1] < 9e-5
 

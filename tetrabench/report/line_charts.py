@@ -12,7 +12,7 @@ from tetrabench.bench.record import Results
 from tetrabench.report.canvas import SMALL, Entry, arranged, make_figure
 from tetrabench.report.curves import Curve, Curves, spans
 from tetrabench.report.lines import Line
-from tetrabench.report.notes import about_machine
+from tetrabench.report.notes import FOREIGN, about_machine
 from tetrabench.report.series import Course
 from tetrabench.report.style import EDGE, Style, make_styles
 from tetrabench.report.units import duration, plural
@@ -86,8 +86,8 @@ def _draw_curve(axes: Axes, option: str, curve: Curve, look: Look) -> None:
         if point.is_least:
             axes.plot([point.value], [point.seconds], **RING)
             words = f"{option}={point.value}: {duration(point.seconds)}"
-            below: Look = {"xytext": (0, -18), "textcoords": "offset points", "ha": "center"}
-            axes.annotate(words, (point.value, point.seconds), fontsize=8, **below)
+            above: Look = {"xytext": (0, 11), "textcoords": "offset points", "ha": "center"}
+            axes.annotate(words, (point.value, point.seconds), fontsize=8, **above)
 
 
 def _look(style: Style, is_wrong: bool) -> Look:
@@ -135,6 +135,8 @@ def _about_curves(results: Results, curves: Curves) -> str:
         said.append("In a ring: the least of its line. Hollow: shown to be slower than that; all others are not.")
     if curves.levels:
         said.append("Level lines: who has no such option, with the options at which it is quickest.")
+    if any("*" in level.label for level in curves.levels) and not any("*" in curve.label for curve in curves.curves):
+        said.append(FOREIGN)  # else the legend has it
     if curves.beyond:
         far = [f"{level.label} {duration(level.points[0].seconds)}" for level in curves.beyond]
         said.append(f"Beyond the chart: {', '.join(far)}.")

@@ -54,8 +54,9 @@ def about_run(results: Results, rows: Sequence[Row], grown: Sequence[Growth], in
             yield "Bandwidth: the least traffic that a task needs with memory, over its time and triad's; beyond 100 %: caches."
         if grown and all(one.exponent is None for one in grown):
             yield f"Growth with size: {grown[0].reason}."
-    if told := list(dict.fromkeys(one.task for one in results.samples if one.series)):
-        yield f"Along the run of {', '.join(told)}: charts of `tetrabench report`, or --charts."
+    told = {one.task for one in results.samples if one.series}
+    if scenarios := list(dict.fromkeys(task.scenario for task in results.tasks if task.name in told)):
+        yield f"Along the run of {', '.join(scenarios)}: charts of `tetrabench report`, or --charts."
     if any(backend.extension for backend in results.backends):
         yield FOREIGN
     if results.profile != "check":

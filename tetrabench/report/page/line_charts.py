@@ -154,7 +154,7 @@ class LineCharts(Charts):
                         {"filter": "datum.least"},
                         {"calculate": f"{_quoted(option)} + '=' + datum.place + ': ' + datum.text", "as": "words"},
                     ],
-                    "mark": {"type": "text", "dy": 20, "fontSize": 11},
+                    "mark": {"type": "text", "dy": -18, "fontSize": 11},
                     "encoding": {"x": x, "y": y, "text": {"field": "words"}},
                 },
             ],
