@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 from tetrabench.collision.interface import Storage
 from tetrabench.collision.objects import Floats
+from tetrabench.errors import InputError
 from tetrabench.protocols import Option, Options
 
 
@@ -39,5 +40,13 @@ class CollisionContestant:
     family: str = "collision"
 
     def make(self, x: Floats, y: Floats, r: Floats) -> Storage:
-        """The storage of objects, with the options as they are chosen."""
+        """The storage of objects, with the options as they are chosen.
+
+        Raises:
+            InputError: an option is out of its range.
+        """
+        for name, option in self.options.items():
+            if not option.least <= option.value <= option.most:
+                limits = f"{option.least} to {option.most}"
+                raise InputError(f"{self.name}: {name}={option.value} cannot be; it takes {limits}: {option.title}")
         return self.build(x, y, r, {name: option.value for name, option in self.options.items()})

@@ -48,7 +48,7 @@ class Simulation:
     Attributes:
         start: what it began with; its objects are left as they are.
         contestant: the structure.
-        objects: as they are now. Whoever writes to them does it between steps.
+        objects: as they are now. Whoever writes to them does it between steps, and calls `rebuild` after other radii.
         storage: the structure's arrays.
         steps_done: so many steps.
         contacts: pairs that the last step found.
@@ -135,11 +135,17 @@ class Simulation:
         Raises:
             InputError: an option out of its range.
         """
-        self.contestant = contestant
         self.storage = contestant.make(self.objects.x, self.objects.y, self.objects.r)
+        self.contestant = contestant
 
     def step(self, count: int = 1) -> None:
-        """Take so many steps."""
+        """Take so many steps.
+
+        Raises:
+            InputError: a number below 0.
+        """
+        if count < 0:
+            raise InputError(f"steps: 0 or more, not {count}")
         self.storage, self._desk, found = self._compiled(advance)(
             self.storage, self.objects, self.rules, self._desk, count, self._seconds
         )

@@ -38,7 +38,6 @@ def update(storage, x, y):
 def follow(tree, x, y):
     """Write the objects' places into the leaves; move those that have left theirs; merge."""
     visit_leaves(tree, x, y)
-    tree.state[RELOCATIONS] += tree.state[MOVERS]
     tree = insert_movers(tree, x, y)
     if tree.recycles:
         merge_sparse(tree)
@@ -54,7 +53,7 @@ def visit_leaves(tree, x, y):
         b = np.int64(tree.buffer[node])
         if b == NOWHERE:
             continue
-        empty_chain(tree, b)
+        empty_chain(tree, node, b, x, y)
         x_low, y_low = tree.rect[node, X_LOW], tree.rect[node, Y_LOW]
         x_high, y_high = tree.rect[node, X_HIGH], tree.rect[node, Y_HIGH]
         place = 0
@@ -64,6 +63,7 @@ def visit_leaves(tree, x, y):
             if px < x_low or px >= x_high or py < y_low or py >= y_high:
                 tree.movers[state[MOVERS]] = i
                 state[MOVERS] += 1
+                state[RELOCATIONS] += 1
                 take_out(tree, b, place)
             else:
                 tree.x[b, place], tree.y[b, place] = px, py
@@ -74,15 +74,18 @@ def visit_leaves(tree, x, y):
 
 
 @kernel(allocates=False)
-def empty_chain(tree, b):
+def empty_chain(tree, node, b, x, y):
     """What a leaf holds beyond its capacity was in one place, and may not be any more: it is inserted again."""
-    state = tree.state
+    state, rect = tree.state, tree.rect
     following = np.int64(tree.chained[b])
     tree.chained[b] = NOWHERE
     while following != NOWHERE:
         for place in range(tree.held[following]):
-            tree.movers[state[MOVERS]] = tree.number[following, place]
+            i = tree.number[following, place]
+            tree.movers[state[MOVERS]] = i
             state[MOVERS] += 1
+            is_in_x = rect[node, X_LOW] <= x[i] < rect[node, X_HIGH]
+            state[RELOCATIONS] += 0 if is_in_x and rect[node, Y_LOW] <= y[i] < rect[node, Y_HIGH] else 1
         emptied = following
         following = np.int64(tree.chained[emptied])
         give_back(tree, emptied)

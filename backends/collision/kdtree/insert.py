@@ -112,11 +112,16 @@ def coordinate_of(tree, b, place, axis):
 
 @kernel(allocates=False)
 def is_spread(tree, b, axis, px, py):
-    """Whether a coordinate differs anywhere; what is chained to a full buffer lies where the first one does."""
-    new, place = py if axis else px, 0
-    while place < tree.held[b] and coordinate_of(tree, b, place, axis) == new:
-        place += 1
-    return place < tree.held[b]
+    """Whether a coordinate differs anywhere; what is chained to a full buffer lies where the first one does.
+
+    What is no number, as after an overflow, differs from nothing: else it would be split off from the rest for ever.
+    """
+    new = py if axis else px
+    for place in range(tree.held[b]):
+        coordinate = coordinate_of(tree, b, place, axis)
+        if coordinate < new or coordinate > new:
+            return True
+    return False
 
 
 @kernel(allocates=False)
@@ -126,7 +131,7 @@ def middle(tree, b, axis, px, py):
     low = high = total = new
     for place in range(tree.held[b]):
         coordinate = coordinate_of(tree, b, place, axis)
-        low, high = min(low, coordinate), max(high, coordinate)
+        low, high = coordinate if coordinate < low else low, coordinate if coordinate > high else high
         total += coordinate
     split = median(tree, b, axis, new) if tree.by_median else total / (tree.held[b] + 1)
     return split if low < split <= high else high
