@@ -47,6 +47,8 @@ NETS = {
     "nozzle-cut": "nozzle --tets 120k --cut y=50%",
 }
 """What `tetrabench view` is told."""
+WATCHED = "--objects 1k --gravity 0.1 --bounce 0.9 --steps 1500"
+"""What `tetrabench watch` is told."""
 
 MOST_BYTES = 150_000
 MARGIN = 12  # pixels
@@ -104,6 +106,13 @@ def draw_nets(folder: Path) -> None:
         file = folder / f"{name}.png"
         tetrabench("view", *told.split(), "-o", file)
         save(file, name, is_net=True)
+
+
+def draw_objects(folder: Path) -> None:
+    """The picture of objects that have fallen."""
+    file = folder / "collision-watch.png"
+    tetrabench("watch", *WATCHED.split(), "--record", file)
+    save(file, file.stem, is_net=True)
 
 
 def make_report(folder: Path) -> Path:
@@ -170,18 +179,20 @@ def await_chart(page: Any, chart: Any) -> None:
 
 
 def main() -> None:
-    """All of them, or those of the page, or those of nets."""
+    """All of them, or those of the page, of nets, or of objects."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("what", nargs="*", metavar="report|nets", help="what to make, all unless given")
-    wanted = parser.parse_args().what or ["report", "nets"]
-    if strange := ", ".join(one for one in wanted if one not in ("report", "nets")):
-        parser.error(f"no {strange}; there are: report, nets")
+    parser.add_argument("what", nargs="*", metavar="report|nets|objects", help="what to make, all unless given")
+    wanted = parser.parse_args().what or ["report", "nets", "objects"]
+    if strange := ", ".join(one for one in wanted if one not in ("report", "nets", "objects")):
+        parser.error(f"no {strange}; there are: report, nets, objects")
     PICTURES.mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
         if "report" in wanted:
             draw_report(make_report(Path(folder)))
         if "nets" in wanted:
             draw_nets(Path(folder))
+        if "objects" in wanted:
+            draw_objects(Path(folder))
 
 
 if __name__ == "__main__":
