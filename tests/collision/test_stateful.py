@@ -1,4 +1,4 @@
-"""Objects that are moved anywhere, steps, other rules and other structures at random, on all structures at once, and the twin."""
+"""Moves to anywhere, steps, other rules and other structures at random, on all structures at once, and on the twin."""
 
 import numpy as np
 from hypothesis import strategies as st

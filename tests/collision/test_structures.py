@@ -149,7 +149,7 @@ def test_powers_of_two(capacity: int, per_leaf: int) -> None:
 @pytest.mark.parametrize("recycle", [0, 1])
 @pytest.mark.parametrize("per_leaf", [0, 1])
 def test_a_tree_that_is_a_chain(per_leaf: int, recycle: int) -> None:
-    """Deeper than the first stack of nodes to come back to: each object leaves for a quarter of the way of the one before it."""
+    """Deeper than the first stack of nodes to come back to: each object leaves for a quarter of the last one's way."""
     start = start_of(np.zeros(110), np.zeros(110), 1e-9, speed=0)
     simulation = Simulation(start, variant("kdtree", capacity=1, per_leaf=per_leaf, recycle=recycle))
     objects = simulation.objects
