@@ -2,7 +2,8 @@
 
 Source: sections 4.2 and 4.3. A leaf that holds at most a quarter of the capacity is queued; where it and its sibling, a
 leaf too, hold at most two thirds together, their parent takes over the fuller one's buffer and all objects, and may be
-merged in turn. The children stay attached, as in the source's second variant; the buffer left over goes back, as in its first.
+merged in turn. The source leaves the children where they are, for the next split there (its second variant); here nodes and
+buffer go back, for the next split anywhere (as in its first), so that memory does not grow where objects move on.
 """
 
 import numpy as np
@@ -22,6 +23,7 @@ from tetrabench.backends.collision.kdtree.storage import (
     Y_LOW,
     KdTree,
     give_back,
+    give_pair_back,
     put,
     take_out,
 )
@@ -113,7 +115,7 @@ def merge_sparse(tree):
                     tree, b, tree.number[other, moved], tree.x[other, moved], tree.y[other, moved], tree.r[other, moved]
                 )
             give_back(tree, other)
-            tree.buffer[left] = tree.buffer[left + 1] = NOWHERE
+            give_pair_back(tree, left)
             tree.buffer[parent] = b
             state[LEAVES] -= 1
             state[MERGES] += 1

@@ -11,7 +11,6 @@ from tetrabench.backends.collision.kdtree.storage import (
     DEPTH,
     LEAVES,
     MOVERS,
-    NODES,
     NOWHERE,
     SPLITS,
     X_HIGH,
@@ -23,6 +22,7 @@ from tetrabench.backends.collision.kdtree.storage import (
     put,
     take_buffer,
     take_out,
+    take_pair,
 )
 from tetrabench.jit import kernel
 
@@ -154,22 +154,15 @@ def median(tree, b, axis, new):
 
 @kernel(allocates=False)
 def attach_children(tree, node, axis, split):
-    """Divide the rectangle of a node between two children, new ones or those that it has had before."""
-    state = tree.state
-    left = np.int64(tree.child[node])
-    if left == NOWHERE:
-        left = state[NODES]
-        state[NODES] += 2
-        tree.child[node] = left
-        for side in (left, left + 1):
-            tree.child[side] = NOWHERE
-            tree.up[side] = node
-            tree.level[side] = tree.level[node] + 1
-        state[DEPTH] = max(state[DEPTH], np.int64(tree.level[left]))
-    tree.axis[node] = axis
-    tree.split[node] = split
-    for end in range(4):
-        tree.rect[left, end] = tree.rect[left + 1, end] = tree.rect[node, end]
+    """Divide the rectangle of a node between two children; returns the left one."""
+    left = take_pair(tree)
+    tree.child[node], tree.axis[node], tree.split[node] = left, axis, split
+    for side in (left, left + 1):
+        tree.up[side] = node
+        tree.level[side] = tree.level[node] + 1
+        for end in range(4):
+            tree.rect[side, end] = tree.rect[node, end]
     tree.rect[left, Y_HIGH if axis else X_HIGH] = split
     tree.rect[left + 1, Y_LOW if axis else X_LOW] = split
+    tree.state[DEPTH] = max(tree.state[DEPTH], np.int64(tree.level[left]))
     return left

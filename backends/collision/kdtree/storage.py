@@ -1,9 +1,9 @@
 """The arrays of the tree: nodes, and buffers that hold the objects of leaves.
 
-A node is a leaf if it has a buffer. The two children of a node are neighbours in memory; a leaf that was merged keeps
-its children, which have no buffers, for the next split. A buffer has room for `capacity` objects, which lie in its first
-places (the source has an occupancy mask instead). What a leaf holds beyond that, objects in one and the same place,
-is in buffers that are chained to its first. Buffers that are not needed go back to a stack.
+A node is a leaf if it has a buffer. The two children of a node are neighbours in memory. A buffer has room for `capacity`
+objects, which lie in its first places (the source has an occupancy mask instead). What a leaf holds beyond that, objects in
+one and the same place, is in buffers that are chained to its first. Nodes and buffers that are not needed any more are
+kept for the next split.
 """
 
 from typing import NamedTuple
@@ -17,7 +17,7 @@ from tetrabench.jit import implements, kernel
 
 NOWHERE = -1
 X_LOW, Y_LOW, X_HIGH, Y_HIGH = range(4)
-NODES, BUFFERS, SPARE, MOVERS, SPARSE, LEAVES, DEPTH, RELOCATIONS, SPLITS, MERGES = range(10)
+NODES, FREE, BUFFERS, SPARE, MOVERS, SPARSE, LEAVES, DEPTH, RELOCATIONS, SPLITS, MERGES = range(11)
 OWN_LEAF, PER_OBJECT, PER_LEAF = range(3)
 
 
@@ -25,7 +25,7 @@ class KdTree(NamedTuple):
     """A tree.
 
     Attributes:
-        child: (nodes,) int32: the left child, NOWHERE of a node that never had any; the right one is the next.
+        child: (nodes,) int32: the left child, the right one is the next; of a pair that is not in use the next such pair.
         up: (nodes,) int32: the parent, NOWHERE of the root, which is node 0.
         axis: (nodes,) int8: 0, x < split is left, or 1, y < split is left.
         split: (nodes,) float64.
@@ -40,8 +40,8 @@ class KdTree(NamedTuple):
         movers: (n,) int32: objects that are to be inserted; sparse: (nodes,) int32: leaves that may be merged.
         stack: (depth, 2) int32: nodes, or pairs of them, that a search comes back to.
         radius: (n,) float64: by number; not the tree's own.
-        state: (10,) int64: nodes and buffers in use, SPARE buffers, MOVERS, SPARSE leaves, LEAVES, DEPTH, and counts of
-            RELOCATIONS, SPLITS and MERGES.
+        state: (11,) int64: NODES and BUFFERS that were ever in use; the first FREE pair of nodes, or NOWHERE; SPARE buffers;
+            MOVERS, SPARSE leaves, LEAVES, the greatest DEPTH ever; counts of RELOCATIONS, SPLITS and MERGES.
         largest: the largest radius.
         recycles, by_median: whether leaves are merged, and split at the median, not the mean.
         search: OWN_LEAF, PER_OBJECT or PER_LEAF: see `search`.
@@ -100,7 +100,7 @@ def empty_tree(r: Floats, capacity: int, *, recycles: bool, by_median: bool, sea
         sparse=np.zeros(nodes, np.int32),
         stack=np.zeros((256, 2), np.int32),
         radius=r,
-        state=np.zeros(10, np.int64),
+        state=np.zeros(11, np.int64),
         largest=float(r.max(initial=0.0)),
         recycles=recycles,
         by_median=by_median,
@@ -108,6 +108,7 @@ def empty_tree(r: Floats, capacity: int, *, recycles: bool, by_median: bool, sea
     )
     tree.rect[0] = -np.inf, -np.inf, np.inf, np.inf
     tree.buffer[0] = 0
+    tree.state[FREE] = NOWHERE
     tree.state[NODES] = tree.state[BUFFERS] = tree.state[LEAVES] = 1
     return tree
 
@@ -123,7 +124,7 @@ def has_room(tree):
     """Whether an object can be inserted, which takes two nodes, a buffer and a level at most."""
     state = tree.state
     return (
-        state[NODES] + 2 <= len(tree.child)
+        (state[FREE] != NOWHERE or state[NODES] + 2 <= len(tree.child))
         and (state[SPARE] > 0 or state[BUFFERS] < len(tree.held))
         and has_depth(tree.state, tree.stack)
     )
@@ -137,7 +138,7 @@ def grow(tree):
     rect, extent, level, buffer, sparse = tree.rect, tree.extent, tree.level, tree.buffer, tree.sparse
     held, chained, spare = tree.held, tree.chained, tree.spare
     number, x, y, r, stack = tree.number, tree.x, tree.y, tree.r, tree.stack
-    if state[NODES] + 2 > len(child):
+    if state[FREE] == NOWHERE and state[NODES] + 2 > len(child):
         more = len(child) // 2
         child, up = np.append(child, np.full(more, NOWHERE, np.int32)), np.append(up, np.full(more, NOWHERE, np.int32))
         axis, split = np.append(axis, np.zeros(more, np.int8)), np.append(split, np.zeros(more))
@@ -179,6 +180,27 @@ def grow(tree):
         tree.by_median,
         tree.search,
     )
+
+
+@kernel(allocates=False, inline=True)
+def take_pair(tree):
+    """Two nodes side by side; the left one."""
+    state = tree.state
+    left = state[FREE]
+    if left != NOWHERE:
+        state[FREE] = tree.child[left]
+    else:
+        left = state[NODES]
+        state[NODES] += 2
+    return left
+
+
+@kernel(allocates=False, inline=True)
+def give_pair_back(tree, left):
+    """Two nodes that are not needed any more."""
+    tree.buffer[left] = tree.buffer[left + 1] = NOWHERE
+    tree.child[left] = tree.state[FREE]
+    tree.state[FREE] = left
 
 
 @kernel(allocates=False, inline=True)
