@@ -3,12 +3,12 @@
 They are called when the structure has followed the objects to where they are, and nothing has moved since.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
 from tetrabench.backends.collision.grid import BOTTOM, COLUMNS, LEFT, ROWS, SIDE, Grid
-from tetrabench.backends.collision.kdtree.storage import BUFFERS, DEPTH, LEAVES, NODES, NOWHERE, SPARE, KdTree
+from tetrabench.backends.collision.kdtree.storage import BUFFERS, DEPTH, FREE, LEAVES, NODES, NOWHERE, SPARE, KdTree
 from tetrabench.backends.collision.skin import LISTED, Skin
 from tetrabench.collision.interface import Storage, structure_bytes
 from tetrabench.collision.objects import Objects
@@ -45,9 +45,11 @@ def audit_tree(tree: KdTree, objects: Objects) -> list[str]:
         found.append(f"buffers in use, chained or spare: {buffers} of {tree.state[BUFFERS]}")
     if tree.state[LEAVES] != len(leaves) or tree.state[DEPTH] < max(tree.level[leaf] for leaf in leaves):
         found.append(f"{len(leaves)} leaves; {tree.state[LEAVES]} and depth {tree.state[DEPTH]} counted")
-    strays = set(np.flatnonzero(tree.buffer[: tree.state[NODES]] != NOWHERE).tolist()) - set(leaves)
-    if strays:
-        found.append(f"leaves that cannot be reached: {strays}")
+    nodes = sorted([0, *(side for left in pairs_of_nodes(tree, leaves) for side in (left, left + 1))])
+    if nodes != list(range(tree.state[NODES])):
+        found.append(f"nodes in use or free: {nodes} of {tree.state[NODES]}")
+    if set(np.flatnonzero(tree.buffer[: tree.state[NODES]] != NOWHERE).tolist()) != set(leaves):
+        found.append(f"nodes with buffers: {np.flatnonzero(tree.buffer != NOWHERE)}, leaves: {sorted(leaves)}")
     return found + (audit_merges(tree, leaves) if tree.recycles else [])
 
 
@@ -69,6 +71,22 @@ def walk(
         below[axis + 2] = above[axis] = split
         yield from walk(tree, child, node, level + 1, tuple(below), found)  # type: ignore[arg-type]
         node, parent, level, rectangle = child + 1, node, level + 1, tuple(above)  # type: ignore[assignment]
+
+
+def pairs_of_nodes(tree: KdTree, leaves: Iterable[int]) -> list[int]:
+    """The left one of each pair: those above leaves, once each, and those that are free, as far as there is no circle."""
+    above = set()
+    for leaf in leaves:
+        node = leaf
+        while node and node not in above:
+            above.add(node)
+            node = int(tree.up[node])
+    lefts = [int(tree.child[node]) for node in {int(tree.up[node]) for node in above}]
+    free = int(tree.state[FREE])
+    while free != NOWHERE and free not in lefts:
+        lefts.append(free)
+        free = int(tree.child[free])
+    return lefts
 
 
 def chain_of(tree: KdTree, leaf: int) -> list[int]:

@@ -13,13 +13,15 @@ from tests.collision.starts import SLOW, STARTS, scattered, start_of
 from tests.collision.twin import Twin
 from tests.collision.variants import EXACT, variant
 from tetrabench.backends.collision import CONTESTANTS, STRUCTURES
-from tetrabench.backends.collision.kdtree.storage import BUFFERS, NODES, SPARE
+from tetrabench.backends.collision.kdtree.storage import BUFFERS, NODES
+from tetrabench.collision.contestant import CollisionContestant
 from tetrabench.collision.interface import Storage
 from tetrabench.collision.objects import Objects, Start, make_objects
 from tetrabench.collision.simulation import Simulation
 from tetrabench.errors import InputError
 
 KDTREE = STRUCTURES["kdtree"]
+SQUARES = [STRUCTURES["grid"], STRUCTURES["skin"]]
 
 
 def columns(**other: object) -> Objects:
@@ -330,23 +332,41 @@ def test_places_that_are_no_numbers_do_no_harm_to_the_tree(capacity: int, median
 
 
 @pytest.mark.skipif(bool(config.DISABLE_JIT or config.BOUNDSCHECK), reason="hundred thousand steps")
-@pytest.mark.parametrize("name", ["kdtree", "kdtree without recycling", "grid", "skin"])
-def test_memory_is_flat_over_a_hundred_thousand_steps(name: str) -> None:
+@pytest.mark.parametrize("contestant", [variant("kdtree", capacity=4), *SQUARES], ids=lambda one: one.name)
+def test_memory_is_flat_over_a_hundred_thousand_steps(contestant: CollisionContestant) -> None:
     """Under gravity, where objects gather: nothing is reserved, and nothing leaks, after the first ten thousand."""
     x, y = scattered(0, 300, size=100)
-    contestant = variant("kdtree", recycle=0, capacity=4) if "without" in name else variant(name)
     simulation = Simulation(start_of(x, y, box=300.0), contestant, gravity=0.1, bounce=0.9)
     simulation.step(10_000)
-    reserved, resident, contacts = simulation.structure_bytes(), resident_bytes(), 0
+    reserved, resident, contacts = total(simulation.structure_bytes()), resident_bytes(), 0
     for _ in range(9):
         simulation.step(10_000)
         contacts += simulation.contacts
     assert contacts > 0
-    if "without" not in name:
-        assert total(simulation.structure_bytes()) <= total(reserved)
+    assert total(simulation.structure_bytes()) <= reserved
     assert resident_bytes() - resident < 4 << 20
     simulation.find_pairs()
     assert audit(simulation.storage, simulation.objects) == []
+
+
+@pytest.mark.skipif(bool(config.DISABLE_JIT), reason="some thousand steps")
+def test_without_recycling_a_tree_grows_by_what_is_split() -> None:
+    """Two nodes and a buffer a split, and nothing ever comes back; with it there are as many as at once in use."""
+    x, y = scattered(0, 300, size=100)
+    grown = {}
+    for recycle in (0, 1):
+        contestant = variant("kdtree", capacity=4, recycle=recycle)
+        simulation = Simulation(start_of(x, y, box=300.0), contestant, gravity=0.1, bounce=0.9)
+        simulation.step(3000)
+        stats, state = simulation.stats(), simulation.storage.state
+        grown[recycle] = stats["leaves"], total(simulation.structure_bytes())
+        if recycle:
+            assert state[NODES] < 2 * 100 < stats["splits"]
+        else:
+            assert state[NODES] == 1 + 2 * stats["splits"] == 2 * stats["leaves"] - 1
+            assert state[BUFFERS] == stats["leaves"]
+    assert grown[0][0] > 4 * grown[1][0]
+    assert grown[0][1] > 2 * grown[1][1]
 
 
 def total(sizes: object) -> int:
@@ -359,17 +379,16 @@ def resident_bytes() -> int:
     return int(statm.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") if statm.exists() else 0
 
 
-@pytest.mark.parametrize("recycle", [0, 1])
-def test_buffers_are_no_more_than_leaves_ever_were(recycle: int) -> None:
-    """Merged away, they are taken again."""
-    simulation = Simulation(STARTS["random"](), variant("kdtree", capacity=4, recycle=recycle))
-    most = 0
+@pytest.mark.parametrize("capacity", [1, 4, 8])
+def test_what_is_merged_away_is_taken_again(capacity: int) -> None:
+    """Objects gather and spread, again and again elsewhere: no node or buffer is made that was not needed the first time."""
+    simulation = Simulation(STARTS["random"](), variant("kdtree", capacity=capacity))
     rng = np.random.default_rng(1)
+    sizes = []
     for spread in [100, 1, 100, 3, 50, 100] * 3:
         simulation.objects.x[:] = rng.uniform(0, spread, len(simulation))
         simulation.find_pairs()
-        state = simulation.storage.state
-        most = max(most, int(state[BUFFERS] - state[SPARE]))
-        assert state[BUFFERS] <= len(simulation) + simulation.stats()["splits"] + 1
+        sizes.append(int(simulation.storage.state[BUFFERS]))
         assert audit(simulation.storage, simulation.objects) == []
-    assert (simulation.storage.state[SPARE] > 0) == (recycle == 1) or most
+    assert sizes[-1] == max(sizes) < simulation.stats()["splits"] / 2
+    assert simulation.storage.state[NODES] < simulation.stats()["splits"]
