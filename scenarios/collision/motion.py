@@ -47,7 +47,7 @@ class Run:
     def _tell(self, before: Mapping[str, float]) -> None:
         """Add a stretch to the series."""
         simulation, after = self.simulation, self.simulation.phase_seconds
-        told = {"step": simulation.steps_done, "contacts": simulation.contacts}
+        told: dict[str, float] = {"step": simulation.steps_done, "contacts": simulation.contacts}
         told |= {f"{phase}_s": after[phase] - before[phase] for phase in PHASES}
         told |= simulation.stats()
         told["structure_bytes"] = sum(used for used, _ in simulation.structure_bytes().values())

@@ -61,8 +61,8 @@ class Windows(CollisionScenario):
 
     def run(self, asked: Asked) -> tuple[int, int]:
         """Ask; how many objects all windows hold, and the sum of their numbers."""
-        ask = ask_all if asked.simulation.contestant.is_compiled else getattr(ask_all, "py_func", ask_all)
         simulation = asked.simulation
+        ask = simulation.contestant.callable(ask_all)
         count, total = ask(simulation.storage, simulation.objects, asked.corners, asked.width, asked.height, asked.out)
         return int(count), int(total)
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from tetrabench.collision.interface import Storage
 from tetrabench.collision.objects import Floats
@@ -50,3 +51,7 @@ class CollisionContestant:
                 limits = f"{option.least} to {option.most}"
                 raise InputError(f"{self.name}: {name}={option.value} cannot be; it takes {limits}: {option.title}")
         return self.build(x, y, r, {name: option.value for name, option in self.options.items()})
+
+    def callable(self, function: Callable[..., Any]) -> Callable[..., Any]:
+        """A kernel as this structure's storage can be given to it: itself, or the Python that it was compiled of."""
+        return function if self.is_compiled else getattr(function, "py_func", function)

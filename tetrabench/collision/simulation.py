@@ -1,6 +1,6 @@
 """Simulation: the Python face of any structure: objects that move, and what can be asked about them."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -146,7 +146,7 @@ class Simulation:
         """
         if count < 0:
             raise InputError(f"steps: 0 or more, not {count}")
-        self.storage, self._desk, found = self._compiled(advance)(
+        self.storage, self._desk, found = self.contestant.callable(advance)(
             self.storage, self.objects, self.rules, self._desk, count, self._seconds
         )
         if count > 0:
@@ -162,7 +162,9 @@ class Simulation:
         """All objects in contact where they are now, (k, 2) int32, in the order of their numbers."""
         self._follow()
         found, objects = self._desk.found, self.objects
-        while (count := int(self._compiled(_pairs)(self.storage, objects.x, objects.y, objects.r, found))) > len(found):
+        while (
+            count := int(self.contestant.callable(_pairs)(self.storage, objects.x, objects.y, objects.r, found))
+        ) > len(found):
             found = room_for(count)
         put_in_order(found, np.empty_like(found), self._desk.counts, count, len(self))
         return found[:count].copy()
@@ -172,7 +174,7 @@ class Simulation:
         self._follow()
         out = np.empty(len(self), np.int32)
         ends = (float(x_low), float(y_low), float(x_high), float(y_high))
-        count = self._compiled(_query_rect)(self.storage, self.objects.x, self.objects.y, *ends, out)
+        count = self.contestant.callable(_query_rect)(self.storage, self.objects.x, self.objects.y, *ends, out)
         return np.sort(out[:count])
 
     def stats(self) -> dict[str, float]:
@@ -199,8 +201,4 @@ class Simulation:
         return float(np.sum(self.objects.m * self.objects.vx)), float(np.sum(self.objects.m * self.objects.vy))
 
     def _follow(self) -> None:
-        self.storage = self._compiled(_update)(self.storage, self.objects.x, self.objects.y)
-
-    def _compiled(self, function: Callable[..., object]) -> Callable[..., object]:
-        """A kernel, or the function that it was compiled of, where the storage is nothing for kernels."""
-        return function if self.contestant.is_compiled else getattr(function, "py_func", function)
+        self.storage = self.contestant.callable(_update)(self.storage, self.objects.x, self.objects.y)
