@@ -186,6 +186,11 @@ class Family(Protocol):
     def models(self) -> Mapping[str, str]:
         """Models that can be generated: name -> one line about it."""
 
+    @property
+    def kind(self) -> Any | None:
+        """What the verbs about models have to know of them (`io.kinds.Kind`); None of meshes, which they know, and of models
+        that only `run` and the like take."""
+
     def find_model(self, model: str, *, size: int | None, numbering: str, seed: int) -> Path:
         """The file of a model: `model` is a path, or the name of one that is generated into the user's cache.
 

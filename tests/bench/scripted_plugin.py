@@ -190,6 +190,7 @@ class Family:
     size_option = "tets"
     thesis_order = ("third", "first", "second")
     models = {"tiny": "three letters"}
+    kind = None
 
     def find_model(self, model: str, *, size: int | None, numbering: str, seed: int) -> Path:
         if model == "missing":

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from tetrabench.collision.objects import Floats, Start, make_objects
 
 SLOW = bool(config.DISABLE_JIT)
-SIZE = 24 if SLOW else 48
+SIZE = 48
 BOX = 100.0
 
 

@@ -311,6 +311,7 @@ def test_structure_bytes_are_what_the_arrays_hold(name: str) -> None:
         assert sizes["held"][0] == 4 * buffers
 
 
+@pytest.mark.filterwarnings("ignore:invalid value")  # of numpy's, where the JIT is off
 @pytest.mark.parametrize("capacity", [1, 2, 3, 16])
 @pytest.mark.parametrize("median", [0, 1])
 def test_places_that_are_no_numbers_do_no_harm_to_the_tree(capacity: int, median: int) -> None:

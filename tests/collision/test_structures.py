@@ -14,7 +14,7 @@ from tests.collision.variants import CAPACITIES, EXACT, variant
 from tetrabench.collision.objects import Start
 from tetrabench.collision.simulation import Simulation, _pairs, _query_rect
 
-STEPS = 4 if SLOW else 12
+STEPS = 6 if SLOW else 12
 GRAVITY, BOUNCE = 0.1, 0.9
 
 Rectangle = tuple[float, float, float, float]

@@ -73,10 +73,13 @@ class Registry:
             InputError: there is no such file and no such model, or it cannot be used.
         """
         kind = registry.family(find.family)
-        if find.model not in kind.models and not Path(find.model).exists():
+        if find.model not in kind.models:
+            is_file = Path(find.model).is_file()
             for other in registry.families():
-                if find.model in other.models:
+                if not is_file and find.model in other.models:
                     raise InputError(f"{find.model} is a model of another family: add --family {other.name}")
+                if is_file and other.name != find.family and other.kind and other.kind.holds(find.model):
+                    raise InputError(f"{find.model} is a file of another family: add --family {other.name}")
         path = kind.find_model(find.model, size=find.size, numbering=find.numbering, seed=find.seed).absolute()
         facts = kind.describe_model(path)
         return Found(str(path), {name: int(number) for name, number in facts.size.items()}, list(facts.notes))

@@ -138,8 +138,7 @@ def all_kinds() -> list[Kind]:
     from tetrabench import registry
     from tetrabench.io.kinds import MESHES
 
-    kinds: list[Any] = [getattr(family, "kind", None) for family in registry.families()]
-    return [*filter(None, kinds), *MESHES]
+    return [*(family.kind for family in registry.families() if family.kind), *MESHES]
 
 
 def describe(inspection: Any) -> list[tuple[str, str]]:

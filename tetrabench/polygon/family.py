@@ -99,6 +99,7 @@ class PolygonFamily:
         "gas-cell-adjacency",
     )
     models: Mapping[str, str] = {name: model.title for name, model in MODELS.items()}
+    kind = None
 
     def find_model(self, model: str, *, size: int | None, numbering: str, seed: int) -> Path:
         """The file of a model: `model` is a path, or the name of one that is generated into the user's cache."""
