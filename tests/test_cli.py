@@ -101,13 +101,13 @@ def test_a_file_of_no_known_format_is_refused_before_the_work(tmp_path: Path):
 
 def test_a_model_of_another_family_says_of_which():
     assert "quad is a model of another family: add --family polygon" in refusal("run", "--model", "quad", "--dry-run")
+    assert "add --family tetra" in refusal("run", "--family", "polygon", "--model", "nozzle", "--dry-run")
 
 
 def test_a_file_of_another_family_is_sent_there(tmp_path):
     table = tmp_path / "start.csv"
     table.write_text("x,y\n1,2\n")
     assert "is a file of another family: add --family collision" in refusal("run", "--model", str(table), "--dry-run")
-    assert "add --family tetra" in refusal("run", "--family", "polygon", "--model", "nozzle", "--dry-run")
 
 
 def test_missing_model_says_how_to_get_one(tmp_path: Path):
