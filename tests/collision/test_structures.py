@@ -115,7 +115,7 @@ def test_a_rectangle_of_neighbouring_numbers(name: str) -> None:
 def test_no_more_is_written_than_there_is_room_for(name: str, start: str) -> None:
     simulation, twin = Simulation(STARTS[start](), EXACT[name]), Twin(STARTS[start]())
     objects, storage, there = simulation.objects, simulation.storage, twin.pairs()
-    find, ask = simulation._compiled(_pairs), simulation._compiled(_query_rect)
+    find, ask = simulation.contestant.callable(_pairs), simulation.contestant.callable(_query_rect)
     for room in (0, 1, len(there) // 2, len(there) - 1, len(there)):
         out = np.full((len(there) + 5, 2), -7, np.int32)
         assert find(storage, objects.x, objects.y, objects.r, out[:room]) == len(there)
