@@ -180,7 +180,7 @@ def test_walls_turn_round_what_is_outside_and_moves_outward() -> None:
 
 
 def test_a_box_has_a_width_and_a_height() -> None:
-    simulation = Simulation(Start(make_objects([55, 15], [15, 55], [1, 1], [1, 1], 1), 50.0, 30.0), RUNNERS["brute"])
+    simulation = Simulation(Start(make_objects([55, 40], [15, 35], [1, 1], [1, 1], 1), 50.0, 30.0), RUNNERS["brute"])
     simulation.step()
     assert simulation.objects.vx.tolist() == [-1, 1]
     assert simulation.objects.vy.tolist() == [1, -1]
