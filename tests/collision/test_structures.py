@@ -150,20 +150,20 @@ def test_powers_of_two(capacity: int, per_leaf: int) -> None:
 @pytest.mark.parametrize("per_leaf", [0, 1])
 def test_a_tree_that_is_a_chain(per_leaf: int, recycle: int) -> None:
     """Deeper than the first stack of nodes to come back to: each object leaves for a quarter of the last one's way."""
-    start = start_of(np.zeros(110), np.zeros(110), 1e-9, speed=0)
+    start = start_of(np.zeros(170), np.zeros(170), 1e-9, speed=0)
     simulation = Simulation(start, variant("kdtree", capacity=1, per_leaf=per_leaf, recycle=recycle))
     objects = simulation.objects
-    for i in range(100):
+    for i in range(160):
         objects.x[i] = 0.25**i
-        assert simulation.query_rect(0.0, 0.0, 0.0, 0.0).tolist() == list(range(i + 1, 110))
+        assert simulation.query_rect(0.0, 0.0, 0.0, 0.0).tolist() == list(range(i + 1, 170))
     twin = Twin(start)
     twin.take(objects)
     assert simulation.find_pairs().tolist() == [list(pair) for pair in twin.pairs()]
-    assert simulation.query_rect(0.0, 0.0, 1.0, 1.0).tolist() == list(range(110))
-    assert simulation.stats()["depth"] > 95
+    assert simulation.query_rect(0.0, 0.0, 1.0, 1.0).tolist() == list(range(170))
+    assert simulation.stats()["depth"] > 150
     assert audit(simulation.storage, objects) == []
     objects.x[:] = 0.0  # all come back
-    assert len(simulation.find_pairs()) == 110 * 109 // 2
+    assert len(simulation.find_pairs()) == 170 * 169 // 2
     assert audit(simulation.storage, objects) == []
 
 

@@ -1,5 +1,7 @@
 """Scenarios on moving objects: one answer for all structures, the twin's; and what is told along the way."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from numba import config
@@ -18,7 +20,6 @@ from tetrabench.collision.simulation import Simulation
 from tetrabench.collision.start.files import write_objects
 from tetrabench.protocols import Answer, Work
 from tetrabench.scenarios.collision import SCENARIOS as ALL
-from tetrabench.scenarios.collision.motion import Run
 from tetrabench.scenarios.collision.windows import EXPECTED, SEED
 
 SCENARIOS = {scenario.name: scenario for scenario in ALL}
@@ -53,7 +54,7 @@ def stage_of(start: str, name: str, **options: int) -> Stage:
     return Stage(STARTS[start](), variant(name, **options))
 
 
-def sample(name: str, stage: Stage, **options: int) -> tuple[Answer, Work, object]:
+def sample(name: str, stage: Stage, **options: int) -> tuple[Answer, Work, Any]:
     scenario = SCENARIOS[name]
     subject = scenario.prepare(stage, {**scenario.options, **options})
     outcome = scenario.run(subject)
@@ -81,7 +82,6 @@ def test_all_structures_take_the_twins_steps(name: str, start: str) -> None:
     answers = {}
     for contestant in EXACT:
         answers[contestant], work, run = sample(name, stage_of(start, contestant), steps=STEPS, **options)
-        assert isinstance(run, Run)
         assert run.simulation.steps_done == STEPS
         assert (work.items, work.unit, work.least_bytes) == (
             STEPS * len(run.simulation),
