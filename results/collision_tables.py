@@ -7,7 +7,7 @@ from statistics import median
 import pandas as pd
 
 RESULTS = Path(__file__).parent
-MODELS = ("uniform", "separated", "clustered", "mixed")
+MODELS = ("uniform", "separated", "clustered", "halo", "mixed")
 TASKS = ("motion", "impulses", "build", "windows")
 YARDSTICK = "ckdtree"
 """The structure that the others are held against."""

@@ -64,7 +64,9 @@ def test_a_file_is_taken_as_it_is(tmp_path: Path) -> None:
         InputError, match=r"no such file. Make one with `tetrabench generate uniform -o uniform.npz`, or"
     ):
         find("uniform.xyz")
-    with pytest.raises(InputError, match=r"models are uniform, clustered, mixed, separated; did you mean uniform\?$"):
+    with pytest.raises(
+        InputError, match=r"models are uniform, clustered, halo, mixed, separated; did you mean uniform\?$"
+    ):
         find("unifrm")
     with pytest.raises(InputError, match="objects have no graph"):
         find("uniform", numbering="rcm")

@@ -43,14 +43,16 @@ def test_models_are_sound(name: str, count: int) -> None:
 
 
 def test_what_the_titles_say() -> None:
-    uniform, clustered, mixed, separated = (generate_objects(name, 2000).objects for name in MODELS)
+    uniform, clustered, halo, mixed, separated = (generate_objects(name, 2000).objects for name in MODELS)
     side = math.sqrt(ROOM * 2000)
-    for objects in (uniform, clustered, separated):
+    for objects in (uniform, clustered, halo, separated):
         assert set(objects.r.tolist()) == {10}
         assert set(objects.m.tolist()) == {5}
     for column in (clustered.x, clustered.y):
         assert abs(column - side / 2).max() <= 0.05 * side
         assert abs(column - side / 2).max() > 0.049 * side
+    inside = (abs(halo.x - side / 2) <= 0.05 * side) & (abs(halo.y - side / 2) <= 0.05 * side)
+    assert 0 < np.count_nonzero(~inside) <= 20
     assert sorted(mixed.r.tolist()) == [7.0] * 1980 + [70.0] * 20
     assert set(mixed.m.tolist()) == {2.45, 245.0}
     assert np.sum(mixed.r**2) == pytest.approx(np.sum(uniform.r**2), rel=0.03)
@@ -113,7 +115,7 @@ def test_numberings_change_the_order_and_nothing_else() -> None:
 def test_refusals(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(
         InputError,
-        match=r"^no model 'unifrm'; did you mean 'uniform'\? there are: uniform, clustered, mixed, separated$",
+        match=r"^no model 'unifrm'; did you mean 'uniform'\? there are: uniform, clustered, halo, mixed, separated$",
     ):
         generate_objects("unifrm")
     for count in (-1, MOST_OBJECTS + 1):

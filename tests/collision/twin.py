@@ -70,7 +70,7 @@ class Twin:
         """All pairs that approach, in order: an impulse along the line of centres, such that they part as fast as they met."""
         for i, j in found:
             distance = math.hypot(self.x[j] - self.x[i], self.y[j] - self.y[i])
-            if distance == 0:
+            if distance < 1e-140:  # no direction
                 continue
             along = (self.x[j] - self.x[i]) / distance, (self.y[j] - self.y[i]) / distance
             speed = (self.vx[j] - self.vx[i]) * along[0] + (self.vy[j] - self.vy[i]) * along[1]

@@ -6,7 +6,7 @@ gravity; walls; move. Source: chapters 2 and 4, of which the order of contacts d
 Contacts, as the source has them (`is_full` False): one hit an object and step, the first in order; both velocities are
 turned about that of the centre of mass, v' = 2 v_cm - v. That keeps energy and momentum, and turns round what is tangential,
 too. With `is_full`: all pairs that approach, one after the other, exchange momentum along the line of their centres
-alone, as smooth discs do; those whose centres coincide have no such line, and pass.
+alone, as smooth discs do; those whose centres coincide, or all but do (NEAREST), have no such line, and pass.
 
 A wall turns round what is outside of it and moves outward, times `bounce`; nothing is put back.
 """
@@ -27,6 +27,9 @@ UPDATE, PAIRS, RESPOND, MOVE = range(4)
 
 BITS = 11
 """Of a digit when pairs are put in order: the counts of 2,048 stay in the first cache."""
+
+NEAREST = 1e-280
+"""The least square of a distance that has a direction: what is smaller, or its parts, are not exact any more."""
 
 
 class Rules(NamedTuple):
@@ -184,7 +187,7 @@ def exchange(objects: Objects, found: Pairs, count: int) -> None:
         dx, dy = x[j] - x[i], y[j] - y[i]
         approach = (vx[j] - vx[i]) * dx + (vy[j] - vy[i]) * dy
         square = dx * dx + dy * dy
-        if approach < 0 and square > 0:
+        if approach < 0 and square > NEAREST:
             share = 2 * approach / (square * (m[i] + m[j]))
             vx[i] += share * m[j] * dx
             vy[i] += share * m[j] * dy

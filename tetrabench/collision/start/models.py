@@ -31,6 +31,9 @@ the area that they have in "uniform", so that what differs between the two is th
 CLUSTER = 0.1
 """The side of the square in the middle that all of "clustered" are in, in that of the box: 1 % of its area."""
 
+ASTRAY = 100
+"""One in so many of "halo", rounded up, is not in the cluster but anywhere in the box."""
+
 MOST_OBJECTS = 2**31 - 1
 """Up to here numbers of objects have room in 32 bits."""
 
@@ -98,6 +101,15 @@ def place_clustered(count: int, side: float, random: np.random.Generator) -> tup
     return shift + CLUSTER * x, shift + CLUSTER * y, r
 
 
+def place_halo(count: int, side: float, random: np.random.Generator) -> tuple[Floats, Floats, Floats]:
+    """As "clustered", with some of "uniform" around."""
+    x, y, r = place_uniform(count, side, random)
+    shift = (1 - CLUSTER) / 2 * side
+    inner = random.permutation(count)[math.ceil(count / ASTRAY) :]
+    x[inner], y[inner] = shift + CLUSTER * x[inner], shift + CLUSTER * y[inner]
+    return x, y, r
+
+
 def place_mixed(count: int, side: float, random: np.random.Generator) -> tuple[Floats, Floats, Floats]:
     """As in "uniform", but for the radii."""
     x, y, r = place_uniform(count, side, random)
@@ -122,6 +134,7 @@ MODELS = {
     for model in (
         Model("uniform", "all of radius 10, anywhere", place_uniform),
         Model("clustered", "all of radius 10, within 1 % of the area", place_clustered),
+        Model("halo", "all of radius 10, within 1 % of the area, but for one in a hundred, anywhere", place_halo),
         Model("mixed", "radii 7 and, of one in a hundred, 70, anywhere", place_mixed),
         Model("separated", "all of radius 10, none in contact", place_separated),
     )
