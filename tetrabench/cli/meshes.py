@@ -117,8 +117,8 @@ def convert(source: Path, target: Path, numbering: str, seed: int, repair: str, 
 def generate(name: str, size: int | None, numbering: str, seed: int, field: str | None, output: Path) -> None:
     """Make a model without a mesher and write it: the same file for the same seed.
 
-    MODEL is nozzle, intake or box, of tetras; triangle, quad, hexagon or voronoi, of polygons; uniform, clustered, halo, mixed or
-    separated, of objects that move.
+    MODEL is nozzle, intake or box, of tetras; triangle, quad, hexagon or voronoi, of polygons; uniform, clustered, halo, mixed
+    or separated, of objects that move.
     """
     from tetrabench.io.kinds import MESHES
 
