@@ -290,11 +290,15 @@ def test_options_of_backends_are_listed_with_their_limits(monkeypatch: pytest.Mo
     assert "--option" not in say("list", "backends").stdout
 
 
-def test_objects_are_another_word_for_the_size(no_measuring):
+def test_sizes_are_told_in_what_the_family_counts(no_measuring):
     plans = no_measuring(make_results())
-    for word in ("--tets", "--cells", "--objects"):
-        say("run", "--model", "box", word, "300,1k")
-        assert list(plans[-1].models) == ["box-300", "box-1000"]
+    say("run", "--model", "box", "--tets", "300,1k")
+    assert list(plans[-1].models) == ["box-300", "box-1000"]
+    say("run", "--family", "collision", "--objects", "5,50k,100k")
+    assert list(plans[-1].models) == ["uniform-5", "uniform-50000", "uniform-100000"]
+    told = refusal("run", "--objects", "300", "--dry-run")
+    assert "--objects: models of the family tetra are counted in --tets; say that, or name another --family" in told
+    assert "--tets and --objects: choose one" in refusal("run", "--tets", 3, "--objects", 3)
 
 
 def test_generate_writes_a_mesh_and_states_its_quality(tmp_path: Path):

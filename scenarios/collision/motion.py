@@ -15,6 +15,7 @@ from tetrabench.collision.digest import state_answer
 from tetrabench.collision.dynamics import PHASES
 from tetrabench.collision.objects import Objects, Start
 from tetrabench.collision.simulation import Simulation
+from tetrabench.errors import UnsupportedError
 from tetrabench.protocols import Answer, Options, Work
 from tetrabench.scenarios.collision.base import CollisionScenario
 
@@ -24,6 +25,9 @@ STRETCHES = 50
 """Of a long run: points of a curve."""
 GRAVITY, BOUNCE = 0.1, 0.9
 """Of experiment 4: change of a velocity in a step; what a wall leaves of one."""
+
+MOST_TESTS = 5e10
+"""Of pairs in a sample: two minutes or so."""
 
 Series = dict[str, list[float]]
 
@@ -66,7 +70,12 @@ class Motion(CollisionScenario):
     stretches = 1
 
     def prepare(self, stage: Any, options: Options) -> Run:
-        """A simulation at its start."""
+        """A simulation at its start.
+
+        Raises:
+            UnsupportedError: who tests all pairs would be at it for minutes.
+        """
+        refuse_if_endless(stage, options["steps"])
         return Run(stage.simulation(**self.rules), options["steps"], self.stretches)
 
     def run(self, run: Run) -> Series:
@@ -94,7 +103,8 @@ class Concentration(Motion):
     thesis = {"steps": 1000, "area": 15_000}
 
     def prepare(self, stage: Any, options: Options) -> Run:
-        """A simulation at its start, drawn out."""
+        """A simulation at its start, drawn out. Raises UnsupportedError as that of `motion` does."""
+        refuse_if_endless(stage, options["steps"])
         simulation = Simulation(drawn_out(stage.start, options["area"]), stage.contestant, **self.rules)
         stage.adopt(simulation)
         return Run(simulation, options["steps"])
@@ -106,10 +116,6 @@ class Long(Motion):
     options = {"steps": 500}
     thesis = {"steps": 5000}
     stretches = STRETCHES
-
-    def skip(self, contestant: Any) -> str | None:
-        """Who tests all pairs would be at it for hours."""
-        return "tests all pairs: too slow for so many steps" if contestant.is_quadratic else None
 
 
 class Weightless(Long):
@@ -134,6 +140,14 @@ class Impulses(Motion):
     title = "steps of smooth discs: all contacts in each step, impulses along the line of centres"
     thesis = options = {"steps": 20}
     rules = {"mode": "full"}
+
+
+def refuse_if_endless(stage: Any, steps: int) -> None:
+    """Refuse, with UnsupportedError, more tests than MOST_TESTS to a structure that tests all pairs."""
+    objects = len(stage.start.objects.x)
+    tests = objects * objects * steps / 2
+    if stage.contestant.is_quadratic and tests > MOST_TESTS:
+        raise UnsupportedError(f"tests all pairs: {tests:.0e} in {steps:,} steps of {objects:,} objects are too many")
 
 
 def drawn_out(start: Start, area: float) -> Start:

@@ -84,11 +84,12 @@ def test_without_words_the_box_is_what_the_circles_reach(table: Callable[[str], 
     assert (start.width, start.height) == (4.0, 6.0)
     start = read_objects(table("# boxes are nice\nx,y,r\n5,4,2\n"))
     assert (start.width, start.height) == (7.0, 6.0)
-    for text in ("x,y,r\n-5,4,2\n", "x,y\n"):
-        with pytest.raises(
-            InputError, match=r"a\.csv: no object is where x and y are above 0; say in the first line: # box"
-        ):
-            read_objects(table(text))
+    with pytest.raises(
+        InputError, match=r"a\.csv: no object is where x and y are above 0; say in the first line: # box"
+    ):
+        read_objects(table("x,y,r\n-5,4,2\n"))
+    with pytest.raises(InputError, match=r"a\.csv: holds no objects; a box without any is # box WIDTH HEIGHT"):
+        read_objects(table("x,y\n"))
     assert len(read_objects(table("# box 3 3\nx,y\n")).objects.x) == 0
 
 
@@ -125,10 +126,10 @@ def test_faults_have_their_line(table: Callable[[str], Path], text: str, line: i
         ("x,r\n1,2\n", "there is no column y"),
         ("# none\nr\n1\n", "there is no column x"),
         *(
-            (f"{names}\n1,2,3\n", f"{bad!r} is no column; they are x, y, vx, vy, r, m, each once")
-            for names, bad in (("x,radius,y", "radius"), ("x,y,VX", "VX"), ("y,x,y", "y"), ("x,y,", ""), ("x;y", "x;y"))
+            (f"{names}\n1,2,3\n", f"{bad!r} is no column; this line names the columns, by commas: x, y, vx, vy, r, m")
+            for names, bad in (("x,radius,y", "radius"), ("x,y,VX", "VX"), ("x,y,", ""), ("x;y", "x;y"), ("1,2", "1"))
         ),
-        ("1,2\n3,4\n", "'1' is no column; they are x, y, vx, vy, r, m, each once"),
+        ("y,x,y\n1,2,3\n", "'y' stands there twice; columns are x, y, vx, vy, r, m, each once"),
         ("# box 0 9\nx,y\n1,2\n", "a box of 0.0 x 9.0: width and height have to be finite numbers above 0"),
         ("x,y,r\n1e308,1,1e308\n", "a box of inf x 1e+308: width and height have to be finite numbers above 0"),
         ("# box nan 9\nx,y\n1,2\n", "a box of nan x 9.0: width and height have to be finite numbers above 0"),
@@ -146,7 +147,7 @@ def test_what_is_no_text(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"a\.csv:2: x has to be a finite number, not '\ufffd\ufffd'$"):
         read_objects(tmp_path / "a.csv")
     (tmp_path / "a.csv").write_bytes(bytes(range(256)))
-    with pytest.raises(InputError, match=r"a\.csv:1: '\\x00\\x01.*' is no column; they are x"):
+    with pytest.raises(InputError, match=r"a\.csv:1: '\\x00\\x01.*' is no column; this line names"):
         read_objects(tmp_path / "a.csv")
 
 

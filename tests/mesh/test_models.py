@@ -234,9 +234,8 @@ def test_ids_follow_the_rows_in_any_numbering() -> None:
 
 
 def test_help_names_the_models() -> None:
-    assert (
-        f"[OPTIONS] {'|'.join([*MODELS, *POLYGON_MODELS])}\n" in CliRunner().invoke(main, ["generate", "--help"]).stdout
-    )
+    words = CliRunner().invoke(main, ["generate", "--help"]).stdout.replace(",", " ").replace(";", " ").split()
+    assert {*MODELS, *POLYGON_MODELS} <= set(words)
 
 
 def test_dihedral_angle_of_the_corner_of_a_cube() -> None:

@@ -110,6 +110,7 @@ def make_plan(
     launches: int | None = None,
     rounds: int | None = None,
     tets: Sequence[int] | None = None,
+    sized_by: str | None = None,
     options: Mapping[str, Sequence[int]] | None = None,
     numberings: Sequence[str] = ("natural",),
     seed: int = 0,
@@ -124,10 +125,12 @@ def make_plan(
         backends: contestants; all that are exact if None. The first one that is exact is the reference where the
             family's is not among them.
         scenarios: all if None, or with the thesis profile those of the source, in its order.
-        reference: the backend that ratios refer to; or a contestant, which stands for its first backend.
+        reference: the backend that ratios refer to; or a contestant, which stands for its backend with the usual options,
+            or else its first one.
         profile: of EFFORTS; "thesis" takes the source's counts, once, on one net that changes as it goes.
         launches, rounds: so many instead of the profile's.
         tets: sizes of a generated model, in elements; several make a sweep.
+        sized_by: what they count, where that was said: "tets", "cells" or "objects".
         options: counts of scenarios and options of contestants by name, "sweeps" or "alfa.sweeps", which concerns all
             that have it, or the one; several values make a sweep.
         numberings: of a generated model: "natural", "shuffled", "hilbert" or "rcm"; several make a sweep.
@@ -136,9 +139,9 @@ def make_plan(
         guide: who knows families and finds models; this process unless it shall stay small.
 
     Raises:
-        InputError: unknown names, a model that is not there, a count below 1, an option beyond its limits, a reference
-            that is known to be wrong, more than one round with the thesis, a sweep over sizes and numberings at once, or
-            over numberings without the natural one.
+        InputError: unknown names, a size in what the family does not count, a model that is not there, a count below 1, an
+            option beyond its limits, a reference that is known to be wrong, more than one round with the thesis, a sweep
+            over sizes and numberings at once, or over numberings without the natural one.
     """
     numberings = list(dict.fromkeys(numberings))
     if len(tets or ()) > 1 and len(numberings) > 1:
@@ -147,6 +150,11 @@ def make_plan(
         raise InputError("several numberings are compared with the natural one: add it, --numbering natural,...")
     guide = guide or Registry()
     kind = guide.describe(family)
+    if sized_by not in (None, kind.size_option):
+        raise InputError(
+            f"--{sized_by}: models of the family {family} are counted in --{kind.size_option}; "
+            "say that, or name another --family"
+        )
     if model is None:
         model, tets = kind.default_model, tets or [DEFAULT_SIZE]
     thesis = profile == "thesis"
@@ -157,8 +165,12 @@ def make_plan(
     chosen_scenarios = _choose_scenarios(kind, scenarios, thesis)
     _refuse_unknown(options, [*contestants, *chosen_scenarios])
     seats = list(make_backends(contestants, options))
-    base = _find_reference(seats, reference, kind.reference)
-    called = base.contestant if base == _first_of(seats, base.contestant) else base.name
+    usual = {one.name: {name: option.value for name, option in one.options.items()} for one in contestants}
+    seats_by_habit = sorted(
+        seats, key=lambda one: one.options != usual[one.contestant]
+    )  # as they are unless told otherwise
+    base = _find_reference(seats_by_habit, reference, kind.reference)
+    called = base.contestant if base == _first_of(seats_by_habit, base.contestant) else base.name
     asked = Path(model).name
     command = _command(
         asked,
@@ -319,7 +331,10 @@ def parse_option(text: str) -> tuple[str, list[int]]:
         match = re.fullmatch(r"(\d+)(?:\.\.(\d+))?", part.strip())
         if not name.strip() or match is None:
             raise InputError(f"option '{text}': write NAME=1,2,3 or NAME=1..3, in whole numbers")
-        numbers += range(int(match[1]), int(match[2] or match[1]) + 1)
+        first, last = int(match[1]), int(match[2] or match[1])
+        if first > last:
+            raise InputError(f"option '{text}': nothing goes from {first} up to {last}; did you mean {last}..{first}?")
+        numbers += range(first, last + 1)
     return name.strip(), list(dict.fromkeys(numbers))
 
 

@@ -35,6 +35,15 @@ def read_counts(ctx: click.Context, param: click.Parameter, text: str | None) ->
     return [number for number in counts if number is not None]
 
 
+def read_sizes(ctx: click.Context, param: click.Parameter, text: str | None) -> None:
+    """Sizes of a model under one of several words: as `tets`, and the word itself as `sized_by`."""
+    sizes = read_counts(ctx, param, text)
+    if sizes is not None and ctx.params.get("tets") is not None:
+        raise click.UsageError(f"--{ctx.params['sized_by']} and --{param.name}: choose one", ctx)
+    for name, value in (("tets", sizes), ("sized_by", param.name)):
+        ctx.params[name] = ctx.params.get(name) if sizes is None else value
+
+
 def read_seconds(ctx: click.Context, param: click.Parameter, text: str | None) -> float | None:
     """A time such as 90, 90s, 10m or 1.5h, in seconds."""
     if text is None:
@@ -176,7 +185,14 @@ def _subject_options() -> list[Callable[..., Any]]:
         family_option,
         click.option("--backend", "backends", **names | {"help": backend_help}),
         click.option("--scenario", "scenarios", **names),
-        click.option("--tets", "--cells", "--objects", "tets", callback=read_counts, metavar="N,N", help=size_help),
+        *(
+            click.option(f"--{word}", expose_value=False, callback=read_sizes, metavar="N,N", help=told)
+            for word, told in (
+                ("tets", size_help),
+                ("cells", "The same of polygons."),
+                ("objects", "The same of objects."),
+            )
+        ),
         click.option("--option", "options", multiple=True, callback=read_options, metavar="NAME=N,N", help=option_help),
         numberings_option,
     ]

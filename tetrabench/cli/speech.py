@@ -119,10 +119,13 @@ class RunProgress:
 
     def started(self, plan: Plan) -> None:
         """What is going to happen."""
+        from tetrabench.report.units import plural
+
         backends = ", ".join(backend.name for backend in plan.backends if not backend.control)
         models, effort = ", ".join(plan.models), plan.effort
         self._say(
-            f"{models}: {len(plan.tasks)} tasks on {backends}; {effort.launches} launches of {effort.rounds} rounds at most"
+            f"{models}: {plural(len(plan.tasks), 'task')} on {backends}; "
+            f"{plural(effort.launches, 'launch')} of {plural(effort.rounds, 'round')} at most"
         )
 
     def step(self, phase: str, detail: str, done: int, total: int, seconds_remaining: float | None) -> None:

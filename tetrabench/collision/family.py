@@ -100,6 +100,8 @@ class CollisionFamily:
         start = read_objects(path)
         outside = count_outside(start)
         notes = (f"{outside:,} of {len(start.objects.x):,} objects begin outside of the box",) if outside else ()
+        if not len(start.objects.x):
+            notes = ("there are no objects: times are of nothing",)
         return ModelFacts(start_size(start), notes)
 
     def small_model(self) -> Path:

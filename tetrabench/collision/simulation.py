@@ -1,5 +1,6 @@
 """Simulation: the Python face of any structure: objects that move, and what can be asked about them."""
 
+import operator
 from collections.abc import Mapping
 
 import numpy as np
@@ -144,8 +145,12 @@ class Simulation:
         Raises:
             InputError: a number below 0.
         """
+        try:
+            count = operator.index(count)
+        except TypeError:
+            count = -1
         if count < 0:
-            raise InputError(f"steps: 0 or more, not {count}")
+            raise InputError("steps: a whole number, 0 or more")
         self.storage, self._desk, found = self.contestant.callable(advance)(
             self.storage, self.objects, self.rules, self._desk, count, self._seconds
         )

@@ -56,7 +56,10 @@ def about_run(results: Results, rows: Sequence[Row], grown: Sequence[Growth], in
             yield f"Growth with size: {grown[0].reason}."
     told = {one.task for one in results.samples if one.series}
     if scenarios := list(dict.fromkeys(task.scenario for task in results.tasks if task.name in told)):
-        yield f"Along the run of {', '.join(scenarios)}: charts of `tetrabench report`, or --charts."
+        charts = (
+            "charts of `tetrabench report`, or --charts" if results.profile != "check" else "charts of `tetrabench run`"
+        )
+        yield f"Along the run of {', '.join(scenarios)}: {charts}."
     if any(backend.extension for backend in results.backends):
         yield FOREIGN
     if results.profile != "check":

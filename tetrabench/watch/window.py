@@ -35,6 +35,9 @@ FINE = 8.0  # pixels: smaller objects move by quarters of a pixel, as whole ones
 PARTS = 4  # of a pixel
 KEPT = 4096  # sprites
 
+BLIND = ("dummy", "offscreen")
+"""Drivers of SDL that show nothing; it takes one of them where there is no screen."""
+
 
 def check_window() -> None:
     """Whether there can be a window.
@@ -58,6 +61,8 @@ def open_window(player: Player, *, frames_a_second: int = 60, title: str = "tetr
 
     try:
         pygame.display.init()
+        if pygame.display.get_driver() in BLIND and "SDL_VIDEODRIVER" not in os.environ:
+            raise pygame.error("there is no screen")
         screen: Any = pygame.display.set_mode((player.view.width, player.view.height), pygame.RESIZABLE)
     except pygame.error as error:
         pygame.quit()

@@ -156,6 +156,8 @@ def read_table(path: Path) -> Start:
         raise InputError(find_fault(path, names) or f"{path}: {error}") from error
     if box is None:
         box = reach(objects.x, objects.r), reach(objects.y, objects.r)
+        if not len(objects.x):
+            raise InputError(f"{path}: holds no objects; a box without any is # box WIDTH HEIGHT in the first line")
         if min(box) <= 0:
             raise InputError(
                 f"{path}: no object is where x and y are above 0; say in the first line: # box WIDTH HEIGHT"
@@ -183,9 +185,12 @@ def read_names(path: Path) -> tuple[int, list[str]]:
     line, names = next(rows_of(path), (0, []))
     if not names:
         raise InputError(f"{path}: holds no line of names, such as {','.join(Objects._fields)}")
+    known = ", ".join(Objects._fields)
     for name in names:
-        if name not in Objects._fields or names.count(name) > 1:
-            raise InputError(f"{path}:{line}: {name!r} is no column; they are {', '.join(Objects._fields)}, each once")
+        if name not in Objects._fields:
+            raise InputError(f"{path}:{line}: {name!r} is no column; this line names the columns, by commas: {known}")
+        if names.count(name) > 1:
+            raise InputError(f"{path}:{line}: {name!r} stands there twice; columns are {known}, each once")
     for name in Objects._fields:
         if name not in names and name not in DEFAULTS:
             raise InputError(f"{path}:{line}: there is no column {name}")
