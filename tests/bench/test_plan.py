@@ -241,10 +241,19 @@ class TestMakePlan:
 
     def test_each_backend_of_a_sweep_may_be_the_reference(self):
         asked = {"backends": ["tuned", "steady"], "options": {"capacity": list(range(1, 64))}}
-        plan = plan_of(**asked, reference="tuned capacity=8")
-        assert plan.backends[-1].name == "tuned capacity=8 control"
-        assert plan.backends[-1].options == {"capacity": 8, "recycle": 1}
-        assert "--reference 'tuned capacity=8'" in plan.command
+        plan = plan_of(**asked, reference="tuned capacity=9")
+        assert plan.backends[-1].name == "tuned capacity=9 control"
+        assert plan.backends[-1].options == {"capacity": 9, "recycle": 1}
+        assert "--reference 'tuned capacity=9'" in plan.command
+        usual = plan_of(
+            **asked, reference="tuned"
+        )  # the one that stands for all is as it is where nobody says otherwise
+        assert usual.reference == "tuned capacity=8"
+        assert "--reference tuned " in usual.command
+        assert plan_of(backends=["tuned"], options={"capacity": [3, 9]}).reference == "tuned capacity=3"
+        assert "nothing goes from 3 up to 1; did you mean 1..3" in str(
+            pytest.raises(InputError, parse_option, "a=3..1").value
+        )
         assert plan_of(**asked).reference == "steady"
         assert len(plan.backends) == 65
         assert plan.effort.launches == fewest_launches(63)  # the intervals of all of them hold together
