@@ -165,12 +165,9 @@ def make_plan(
     chosen_scenarios = _choose_scenarios(kind, scenarios, thesis)
     _refuse_unknown(options, [*contestants, *chosen_scenarios])
     seats = list(make_backends(contestants, options))
-    usual = {one.name: {name: option.value for name, option in one.options.items()} for one in contestants}
-    seats_by_habit = sorted(
-        seats, key=lambda one: one.options != usual[one.contestant]
-    )  # as they are unless told otherwise
-    base = _find_reference(seats_by_habit, reference, kind.reference)
-    called = base.contestant if base == _first_of(seats_by_habit, base.contestant) else base.name
+    stands_for = _stand_ins(seats, contestants)
+    base = _find_reference(seats, stands_for, reference, kind.reference)
+    called = base.contestant if base == stands_for[base.contestant] else base.name
     asked = Path(model).name
     command = _command(
         asked,
@@ -295,28 +292,32 @@ def _refuse_unknown(options: Iterable[str], owners: Sequence[ContestantFacts | S
             find_named("option", known, name)
 
 
-def _find_reference(backends: Sequence[Backend], asked: str | None, usual: str) -> Backend:
+def _stand_ins(backends: Sequence[Backend], contestants: Iterable[ContestantFacts]) -> dict[str, Backend]:
+    """The backend that stands for each contestant: that with the usual options, or else its first one."""
+    usual = {one.name: {name: option.value for name, option in one.options.items()} for one in contestants}
+    by_habit = sorted(backends, key=lambda one: one.options != usual[one.contestant])
+    return {one.contestant: one for one in reversed(by_habit)}
+
+
+def _find_reference(
+    backends: Sequence[Backend], stands_for: Mapping[str, Backend], asked: str | None, usual: str
+) -> Backend:
     """The backend that ratios refer to: the one asked for, that of the contestant of that name, or the usual one.
 
     Raises:
         InputError: it does not take part, or it is known to be wrong.
     """
     if asked is None:
-        exact = [one for one in backends if one.exact]
-        found = _first_of(exact, usual) or next(iter(exact or backends), None)
+        exact = [one.contestant for one in backends if one.exact] or [one.contestant for one in backends]
+        found = stands_for.get(usual if usual in exact or not exact else exact[0])
     else:
-        found = next((one for one in backends if one.name == asked), None) or _first_of(backends, asked)
+        found = next((one for one in backends if one.name == asked), stands_for.get(asked))
     if found is None:
         names = ", ".join(one.name for one in backends) or "none"
         raise InputError(f"the reference '{asked or usual}' is not among the backends: {names}")
     if not found.exact:
         raise InputError(f"{found.name} is known to give wrong answers, and is no reference: add another --backend")
     return found
-
-
-def _first_of(backends: Iterable[Backend], contestant: str) -> Backend | None:
-    """The first backend of a contestant; None where it does not take part."""
-    return next((one for one in backends if one.contestant == contestant), None)
 
 
 def parse_option(text: str) -> tuple[str, list[int]]:
