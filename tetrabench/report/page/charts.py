@@ -22,6 +22,7 @@ _ROW, _SUBROW = 27, 17  # pixels a backend, and a backend on one of several mode
 ROUND = "indexof([1, 2, 5], round(datum.value / pow(10, floor(log(datum.value) / LN10 + 1e-9)))) >= 0"
 LINE = 160  # size of a sign in a legend of lines
 LETTER = 6.3  # pixels, in a legend
+BOLD = 7.8  # pixels, a letter in front of a row
 MARKS = 8  # along a line, so that it is known without its colour
 QUIET = "#808080"  # of marks that are not of a backend: seen on white and on black
 CONFIG: Spec = {
@@ -65,7 +66,8 @@ class Charts:
     def times(self, rows: Sequence[Datum]) -> Spec:
         """A line for each backend: a mark for each model, its interval, its figure, or the word that stands for it."""
         x = {"type": "quantitative", "scale": {**TOGGLED, "padding": 30}, "title": None, "axis": self._times_axis(rows)}
-        y = self._names(ticks=False, domain=False, labelFontWeight="bold", labelPadding=8)
+        extent = 8 + BOLD * max(map(len, self.backends), default=0)  # what a browser needs, which guesses less
+        y = self._names(ticks=False, domain=False, labelFontWeight="bold", labelPadding=8, minExtent=extent)
         offset = {"field": "model", "type": "nominal", "sort": self.models, "scale": {"paddingInner": 0.2}}
         place = {"y": y, **({"yOffset": offset} if len(self.models) > 1 else {})}
         compared = {"filter": f"base != '{ABSOLUTE}'"}
@@ -156,7 +158,7 @@ class Charts:
             "type": "quantitative",
             "title": "round, through all launches",
             "scale": {"zero": False, "nice": False},
-            "axis": {"tickMinStep": 1, "grid": False, "format": "d"},
+            "axis": {"values": _whole([int(row["place"]) for row in rows]), "grid": False, "format": "d"},
         }
         noise = [
             {"filter": "isValid(datum.quiet)"},
@@ -453,6 +455,12 @@ class Charts:
 def columns_for(names: Sequence[str]) -> int:
     """Of a legend with these names."""
     return max(1, min(7, int((WIDTH - 80) // (34 + LETTER * max(map(len, names), default=0)))))
+
+
+def _whole(places: Sequence[int]) -> list[int]:
+    """Ticks at ten whole numbers at most."""
+    first, last = min(places, default=1), max(places, default=1)
+    return list(range(first, last + 1, 1 + (last - first) // 10))
 
 
 def _thinned(label: str, values: Sequence[float]) -> str:
