@@ -70,5 +70,7 @@ def models() -> Lines:
             found = rows(model)
             times = found[found.task == task].set_index("backend").ns_per_item
             cells = [times.get(name) for name in shown]
-            lines.append([task, model, *("" if pd.isna(one) else f"{one:,.3g}" for one in cells)])
+            lines.append(
+                [task, model, *("" if pd.isna(one) else f"{one:,.0f}" if one >= 100 else f"{one:.3g}" for one in cells)]
+            )
     return lines
