@@ -33,6 +33,10 @@ class NotComparableError(TetrabenchError):
     exit_code = 5
 
 
+class PluginWarning(UserWarning):
+    """A plug-in, or a part of it, that is broken and has been skipped."""
+
+
 class MemoryRefusedError(InputError):
     """What needs more memory than there is, refused before the memory is gone."""
 

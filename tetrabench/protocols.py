@@ -191,6 +191,16 @@ class Family(Protocol):
         """What the verbs about models have to know of them (`io.kinds.Kind`); None of meshes, which they know, and of models
         that only `run` and the like take."""
 
+    def add_model(self, model: Any) -> None:
+        """Take in a model of a plug-in, under its `name`, among those that can be generated.
+
+        Raises:
+            InputError: it is none of this family's kind.
+        """
+
+    def drop_model(self, name: str) -> None:
+        """Forget a model that was added."""
+
     def find_model(self, model: str, *, size: int | None, numbering: str, seed: int) -> Path:
         """The file of a model: `model` is a path, or the name of one that is generated into the user's cache.
 

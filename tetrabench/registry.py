@@ -1,57 +1,55 @@
-"""Families, contestants and scenarios by name, all found through entry points, ours like anybody's.
+"""Families, contestants, scenarios, models and workloads by name, ours like anybody's.
 
-An entry point is named after its family, and names an explicit table: one `Family` in the group
-`tetrabench.families`, an iterable of contestants in `tetrabench.contestants`, of scenarios in
-`tetrabench.scenarios`, usual mixes of these, `Workload`s, in `tetrabench.workloads`, and what its source published,
-one `Source`, in `tetrabench.sources`. Only the tables of the family that is asked for are imported.
+They come from explicit tables: see `tetrabench.plugins`, which also says what becomes of broken ones. Only the tables of
+the family that is asked for are imported, from files all.
 """
 
 import dataclasses
 import functools
-from collections.abc import Iterable, Mapping
-from importlib.metadata import EntryPoint, entry_points
+from collections.abc import Iterator, Mapping
 from typing import Any
 
+from tetrabench import plugins
 from tetrabench.errors import InputError, find_named
+from tetrabench.plugins import OURS, Table
 from tetrabench.protocols import Contestant, Family, Option, Options, Scenario, Workload
 from tetrabench.sources import Source
 
 
 def families() -> list[Family]:
-    """All families.
-
-    Raises:
-        InputError: a plug-in cannot be imported, or two of them use one name.
-    """
-    return [family(name) for name in _families()]
+    """All families, with the models of plug-ins."""
+    return [found for name in list(_families()) if (found := _family(name))]
 
 
 def family(name: str) -> Family:
-    """One family.
+    """One family, with the models of plug-ins.
 
     Raises:
-        InputError: its plug-in cannot be imported, two of them use one name, or there is none of that name.
+        InputError: there is none of that name.
     """
-    loaded: Family = _load(find_named("family", _families(), name))
-    return loaded
+    find_named("family", _families(), name)
+    found = _family(name)
+    if found is None:
+        raise InputError(f"the family {name} cannot be used; what is wrong with its plug-in was said before")
+    return found
 
 
 def contestants(family_name: str) -> list[Contestant]:
     """All contestants of a family, in the order of their tables.
 
     Raises:
-        InputError: a plug-in cannot be imported, or two contestants of one family have one name.
+        InputError: there is no such family.
     """
-    return list(_members("tetrabench.contestants", family_name).values())
+    return list(_members("contestants", family_name).values())
 
 
 def contestant(family_name: str, name: str, options: Options | None = None) -> Contestant:
     """One contestant; `options` are values that are chosen about it, by name, instead of its own.
 
     Raises:
-        InputError: as `contestants`, or there is none of that name; as `choose_options`.
+        InputError: there is no such family, or none of that name in it; as `choose_options`.
     """
-    known: dict[str, Any] = _members("tetrabench.contestants", family_name)
+    known: dict[str, Any] = _members("contestants", family_name)
     found = find_named("backend", known, name)
     chosen: Contestant = (
         dataclasses.replace(found, options=choose_options(name, found.options, options)) if options else found
@@ -77,18 +75,18 @@ def scenarios(family_name: str) -> list[Scenario]:
     """All scenarios of a family, in the order of their tables.
 
     Raises:
-        InputError: a plug-in cannot be imported, or two scenarios of one family have one name.
+        InputError: there is no such family.
     """
-    return list(_members("tetrabench.scenarios", family_name).values())
+    return list(_members("scenarios", family_name).values())
 
 
 def scenario(family_name: str, name: str) -> Scenario:
     """One scenario.
 
     Raises:
-        InputError: as `scenarios`, or there is none of that name.
+        InputError: there is no such family, or none of that name in it.
     """
-    known: dict[str, Scenario] = _members("tetrabench.scenarios", family_name)
+    known: dict[str, Scenario] = _members("scenarios", family_name)
     return find_named("scenario", known, name)
 
 
@@ -96,71 +94,102 @@ def workloads(family_name: str) -> dict[str, Workload]:
     """The usual mixes of a family's scenarios, by name; none where nobody named any.
 
     Raises:
-        InputError: a plug-in cannot be imported, or two workloads of one family have one name.
+        InputError: there is no such family.
     """
-    return _members("tetrabench.workloads", family_name)
+    return _members("workloads", family_name)
 
 
 def source(family_name: str) -> Source:
     """What the source of a family published.
 
     Raises:
-        InputError: its plug-in cannot be imported, two of them use one name, or the family has no source.
+        InputError: the family has no source.
     """
-    found = _entry_points("tetrabench.sources")
-    known = _by_name((entry.name, entry, _distribution(entry)) for entry in found)
-    loaded: Source = _load(find_named("source of the family", known, family_name))
-    return loaded
+    known = {table.family: table for table in reversed(plugins.tables("sources")) if table.family}
+    found: Source = find_named("source of the family", known, family_name).load()
+    return found
+
+
+def skipped() -> list[str]:
+    """What plug-ins, or parts of them, have been skipped so far in this process, and why: a sentence each."""
+    return plugins.skipped()
+
+
+def forget() -> None:
+    """Look through the tables again, when they are asked for next; families lose the models of plug-ins until then."""
+    for family, name in _added:
+        family.drop_model(name)
+    _added.clear()
+    for cached in (_families, _family, _members):
+        cached.cache_clear()
+    plugins.forget()
 
 
 @functools.cache
-def _families() -> dict[str, EntryPoint]:
-    found = _entry_points("tetrabench.families")
-    return _by_name((entry.name, entry, _distribution(entry)) for entry in found)
+def _families() -> dict[str, tuple[Table, Any]]:
+    """By name: the table of each family, and itself where that had to be loaded to know its name."""
+    found: dict[str, tuple[Table, Any]] = {}
+    taken: dict[str, str] = {}
+    for table in plugins.tables("families"):
+        named = [(table.family, None)] if table.family else [(o.name, o) for o in plugins.members(table, "families")]
+        found |= {name: (table, one) for name, one in named if _is_free("family", name, table.owner, taken)}
+    return found
+
+
+@functools.cache
+def _family(name: str) -> Family | None:
+    """A family with the models of plug-ins; None where it is broken."""
+    table, loaded = _families()[name]
+    found: Family | None = loaded or next(plugins.members(table, "families"), None)
+    if found is not None:
+        _add_models(found)
+    return found
+
+
+_added: list[tuple[Family, str]] = []
+"""Models of plug-ins that families have by now."""
+
+
+def _add_models(family: Family) -> None:
+    taken = dict.fromkeys(family.models, OURS)
+    for owner, model in _of_family("models", family.name):
+        if _is_free("model", model.name, owner, taken):
+            try:
+                family.add_model(model)
+                _added.append((family, model.name))
+            except Exception as error:  # whatever a family says to what is no model of its kind
+                plugins.skip(owner, f"the model {model.name}: {error}")
 
 
 @functools.cache
 def _members(group: str, family_name: str) -> dict[str, Any]:
-    find_named("family", _families(), family_name)
-    found = _entry_points(group)
-    for entry in found:
-        if entry.name not in _families():  # else a plug-in's table would go unnoticed
-            known = ", ".join(_families())
-            raise InputError(
-                f"plug-in {_distribution(entry)}: '{entry.name}' in {group} is no family; there are: {known}"
-            )
-    return _by_name(
-        (member.name, member, _distribution(entry))
-        for entry in found
-        if entry.name == family_name
-        for member in _load(entry)
-    )
+    known = _families()
+    find_named("family", known, family_name)
+    for table in plugins.tables(group):
+        if table.family not in (None, *known):  # else a plug-in's table would go unnoticed
+            families = ", ".join(known)
+            plugins.skip(table.owner, f"'{table.family}' in {OURS}.{group} is no family; there are: {families}")
+    taken: dict[str, str] = {}
+    return {
+        one.name: one
+        for owner, one in _of_family(group, family_name)
+        if _is_free(group.removesuffix("s"), one.name, owner, taken)
+    }
 
 
-def _by_name(members: Iterable[tuple[str, Any, str]]) -> dict[str, Any]:
-    """The members (name, itself, distribution) by name."""
-    known: dict[str, tuple[Any, str]] = {}
-    for name, member, distribution in members:
-        if name in known:
-            _, other = known[name]
-            raise InputError(f"'{name}' is defined twice, by {other} and by {distribution}: remove one")
-        known[name] = (member, distribution)
-    return {name: member for name, (member, _) in known.items()}
+def _of_family(group: str, family_name: str) -> Iterator[tuple[str, Any]]:
+    """The members of a family's tables, with their owners."""
+    for table in plugins.tables(group):
+        if table.family in (None, family_name):
+            for one in plugins.members(table, group):
+                if table.family or one.family == family_name:
+                    yield table.owner, one
 
 
-def _entry_points(group: str) -> list[EntryPoint]:
-    """Ours first, then by distribution."""
-    names = {entry: _distribution(entry) for entry in entry_points(group=group)}
-    return sorted(names, key=lambda entry: (names[entry] != "tetrabench", names[entry]))
-
-
-def _load(entry: EntryPoint) -> Any:
-    try:
-        return entry.load()
-    except Exception as error:  # whatever a plug-in does at import
-        reason = f"{type(error).__name__}: {error}"
-        raise InputError(f"plug-in {_distribution(entry)}: cannot import {entry.value}: {reason}") from error
-
-
-def _distribution(entry: EntryPoint) -> str:
-    return entry.dist.name if entry.dist else "an unknown distribution"
+def _is_free(kind: str, name: str, owner: str, taken: dict[str, str]) -> bool:
+    """Whether a name is still to be had; then it is `owner`'s, else what bears it is skipped."""
+    if name in taken:
+        plugins.skip(owner, f"the {kind} '{name}' is defined twice; that of {taken[name]} is taken")
+        return False
+    taken[name] = owner
+    return True

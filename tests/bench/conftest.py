@@ -19,12 +19,6 @@ scripted = scripted_plugin:SCENARIOS
 """
 
 
-def forget() -> None:
-    """Let the registry look again."""
-    for cached in (registry._families, registry._members):
-        cached.cache_clear()
-
-
 @pytest.fixture
 def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., None]]:
     """install(distribution, entry_points, **modules): a distribution that lasts as long as the test."""
@@ -39,10 +33,10 @@ def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callabl
             (folder / f"{name}.py").write_text(text)
         monkeypatch.syspath_prepend(folder)
         monkeypatch.setenv("PYTHONPATH", str(folder), prepend=os.pathsep)
-        forget()
+        registry.forget()
 
     yield install
-    forget()
+    registry.forget()
 
 
 @pytest.fixture

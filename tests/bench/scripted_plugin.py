@@ -192,6 +192,12 @@ class Family:
     models = {"tiny": "three letters"}
     kind = None
 
+    def add_model(self, model: object) -> None:
+        raise InputError("three letters are enough")
+
+    def drop_model(self, name: str) -> None:
+        raise KeyError(name)
+
     def find_model(self, model: str, *, size: int | None, numbering: str, seed: int) -> Path:
         if model == "missing":
             raise InputError(f"{model}: no such file")

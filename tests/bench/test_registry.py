@@ -1,9 +1,16 @@
 """Names found, names not found, plug-ins that cannot be loaded, names taken twice."""
 
+import os
+import re
+import subprocess
+import sys
+
 import pytest
 
 from tetrabench import registry
-from tetrabench.errors import InputError
+from tetrabench.bench.catalogue import Inquiry
+from tetrabench.bench.messages import Find
+from tetrabench.errors import InputError, PluginWarning
 
 FAMILY = "[tetrabench.families]\n{name} = {module}:FAMILY\n"
 
@@ -20,17 +27,6 @@ class TestNames:
 
     def test_families_do_not_mix(self):
         assert {contestant.family for contestant in registry.contestants("scripted")} == {"scripted"}
-
-    def test_a_table_of_no_family_is_an_error(self, install):
-        install("lost_plugin", "[tetrabench.contestants]\nmine = lost:CONTESTANTS\n", lost="CONTESTANTS = []")
-        with pytest.raises(InputError, match=r"plug-in lost_plugin: 'mine' in tetrabench.contestants is no family"):
-            registry.contestants("scripted")
-
-    def test_two_contestants_of_one_name(self, install):
-        table = "from types import SimpleNamespace\nCONTESTANTS = [SimpleNamespace(name='steady')]\n"
-        install("rival", "[tetrabench.contestants]\nscripted = rival_table:CONTESTANTS\n", rival_table=table)
-        with pytest.raises(InputError, match="'steady' is defined twice, by rival and by scripted"):
-            registry.contestant("scripted", "chatty")
 
     def test_an_unknown_name_gets_the_nearest_one_and_the_list(self):
         with pytest.raises(InputError, match=r"no backend 'chaty'; did you mean 'chatty'.*there are: steady, other"):
@@ -59,19 +55,189 @@ class TestNames:
             registry.contestant("scripted", "steady", {"capacity": 8})
 
 
-def test_a_plug_in_that_cannot_be_imported_is_named(install):
-    install(
-        "broken_plugin",
-        FAMILY.format(name="broken", module="broken_module"),
-        broken_module="import no_such_thing",
+def skipped_by(reason):
+    """Expect a warning that names a plug-in and what is wrong with it."""
+    return pytest.warns(PluginWarning, match=f"skipped plug-in {reason}")
+
+
+class TestBrokenPlugins:
+    """Whatever is wrong with a plug-in, it is named, and the rest of the world goes on."""
+
+    def test_one_that_cannot_be_imported(self, install):
+        install(
+            "broken",
+            FAMILY.format(name="broken", module="broken_module"),
+            broken_module="import no_such_thing",
+        )
+        with skipped_by(r"broken: cannot import broken_module:FAMILY: .*no_such_thing"):
+            known = [family.name for family in registry.families()]
+        assert "broken" not in known
+        assert "tetra" in known
+        assert registry.skipped() == [
+            "plug-in broken: cannot import broken_module:FAMILY: ModuleNotFoundError: No module named 'no_such_thing'"
+        ]
+        with pytest.raises(InputError, match="the family broken cannot be used"):
+            registry.family("broken")
+
+    @pytest.mark.usefixtures("plugin")
+    @pytest.mark.parametrize(
+        ("table", "reason"),
+        [
+            ("raise SystemExit('enough')", "cannot import odd_table:CONTESTANTS: SystemExit: enough"),
+            ("def broken(:", "cannot import odd_table:CONTESTANTS: SyntaxError"),
+            ("CONTESTANTS = 7", "cannot be imported: TypeError: 'int' object is not iterable"),
+            ("", "cannot import odd_table:CONTESTANTS: AttributeError"),
+            ("CONTESTANTS = [None]", "one of its contestants, a NoneType, is none: AttributeError"),
+            ("CONTESTANTS = [One(name='a b')]", "'a b' is no name for one of its contestants"),
+            ("CONTESTANTS = [One(name=7)]", "7 is no name for one of its contestants"),
+            ("CONTESTANTS = [One(name='mine')]", "mine has no title, trade_off, family, extension, options, is_exact,"),
+            (
+                "CONTESTANTS = [Full(name='mine', family='tetra')]",
+                "mine belongs to the family tetra, and is registered",
+            ),
+            (
+                "CONTESTANTS = [Full(name='mine', options={'a': 7})]",
+                "mine has an option 'a' that is none: 7 is no Option",
+            ),
+            ("CONTESTANTS = [Full(name='mine', options=3)]", "one of its contestants, a Full, is none: TypeError"),
+            ("CONTESTANTS = [Full(name='steady')]", "the contestant 'steady' is defined twice; that of "),
+        ],
     )
-    with pytest.raises(InputError, match=r"plug-in broken_plugin: cannot import broken_module:FAMILY: .*no_such_thing"):
-        registry.family("broken")
+    def test_a_table_that_is_odd(self, install, table, reason):
+        head = (
+            "from types import SimpleNamespace as One\n"
+            "class Full(One):\n"
+            "    title = trade_off = 'x'\n    family = 'scripted'\n    extension = False\n    options = {}\n"
+            "    is_exact = True\n"
+        )
+        text = "[tetrabench.contestants]\nscripted = odd_table:CONTESTANTS\n"
+        sys.modules.pop("odd_table", None)
+        install("zodd", text, odd_table=table if "broken" in table else head + table)
+        with skipped_by("zodd: " + re.escape(reason)):
+            known = registry.contestants("scripted")
+        assert "steady" in [one.name for one in known]
+        assert not any(type(one).__name__ in ("Full", "One") for one in known)
+        assert len(registry.skipped()) == 1
+
+    @pytest.mark.usefixtures("plugin")
+    def test_a_sound_member_beside_a_broken_one(self, install):
+        members = "[None, Contestant('sound'), Contestant('')]"
+        table = f"from scripted_plugin import Contestant\nCONTESTANTS = {members}\n"
+        sys.modules.pop("half_table", None)
+        install("half", "[tetrabench.contestants]\nscripted = half_table:CONTESTANTS\n", half_table=table)
+        with pytest.warns(PluginWarning) as warned:
+            assert registry.contestant("scripted", "sound").name == "sound"
+        assert len(warned) == 2
+
+    @pytest.mark.usefixtures("plugin")
+    def test_a_table_of_no_family(self, install):
+        install("lost_plugin", "[tetrabench.contestants]\nmine = lost:CONTESTANTS\n", lost="CONTESTANTS = []")
+        with skipped_by("lost_plugin: 'mine' in tetrabench.contestants is no family"):
+            assert registry.contestants("scripted")
+
+    def test_a_name_taken_twice_names_both_distributions(self, install):
+        table = "from types import SimpleNamespace\nFAMILY = SimpleNamespace(name='twin')\n"
+        install("plugin_one", FAMILY.format(name="twin", module="twin_one"), twin_one=table)
+        install("plugin_two", FAMILY.format(name="twin", module="twin_two"), twin_two=table)
+        with skipped_by("plugin_two: the family 'twin' is defined twice; that of plugin_one is taken"):
+            registry.scenarios("tetra")
+
+    def test_what_is_wrong_with_ours_is_no_matter_of_plug_ins(self, install):
+        install("tetrabench", "[tetrabench.families]\ntoo = no_such_module:FAMILY\n")
+        with pytest.raises(InputError, match="plug-in tetrabench: cannot import no_such_module"):
+            registry.families()
 
 
-def test_a_name_taken_twice_names_both_distributions(install):
-    table = "from types import SimpleNamespace\nFAMILY = SimpleNamespace(name='twin')\n"
-    install("plugin_one", FAMILY.format(name="twin", module="twin_one"), twin_one=table)
-    install("plugin_two", FAMILY.format(name="twin", module="twin_two"), twin_two=table)
-    with pytest.raises(InputError, match="'twin' is defined twice, by plugin_one and by plugin_two"):
-        registry.family("twin")
+@pytest.fixture
+def write_plugin(tmp_path, monkeypatch):
+    """write_plugin(text): a plug-in file of that text, named to this process and its workers."""
+
+    def write(text, name="mine.py"):
+        path = tmp_path / name
+        path.write_text(text)
+        monkeypatch.setenv("TETRABENCH_PLUGINS", str(path), prepend=os.pathsep)
+        registry.forget()
+        return path
+
+    yield write
+    monkeypatch.undo()
+    registry.forget()
+
+
+MINE = """
+import dataclasses
+from tetrabench import registry
+from tetrabench.backends.tetra import CONTESTANTS as THEIRS
+from tetrabench.mesh.models.box import BOX
+from tetrabench.scenarios.tetra.alfa import Alfa
+
+class Mine(Alfa):
+    name = "mine-alfa"
+
+CONTESTANTS = (dataclasses.replace(one, name=f"my-{one.name}") for one in THEIRS[:1])
+SCENARIOS = [Mine()]
+MODELS = [dataclasses.replace(BOX, name="my-box")]
+"""
+
+
+class TestFiles:
+    def test_its_tables_are_found(self, write_plugin, tmp_path):
+        write_plugin(MINE)
+        assert registry.contestant("tetra", "my-v3").title == registry.contestant("tetra", "v3").title
+        assert registry.scenario("tetra", "mine-alfa").options == {"sweeps": 50}
+        assert "my-v3" not in [one.name for one in registry.contestants("polygon")]
+        family = registry.family("tetra")
+        assert family.models["my-box"] == family.models["box"]
+        one, other = (family.find_model(name, size=400, numbering="natural", seed=0) for name in ("my-box", "box"))
+        assert one.read_text().replace("my-box", "box") == other.read_text()
+
+    def test_a_model_is_made_anew_when_its_file_changes(self, write_plugin):
+        text = MINE.replace("BOX, name", "BOX, build=lambda tets: BOX.build(tets), name")
+        before = write_plugin(text)
+        family = registry.family("tetra")
+        first = family.find_model("my-box", size=400, numbering="natural", seed=0)
+        before.write_text(text + "# another\n")
+        assert family.find_model("my-box", size=400, numbering="natural", seed=0) == first  # seen once in a process
+        code = (
+            "from tetrabench import registry; family = registry.family('tetra');"
+            "print(family.find_model('my-box', size=400, numbering='natural', seed=0))"
+        )
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+        assert done.stdout.strip() != str(first)
+
+    @pytest.mark.parametrize(
+        ("text", "reason"),
+        [
+            ("1/0", "cannot be imported: ZeroDivisionError: division by zero"),
+            ("raise SystemExit", "cannot be imported: SystemExit"),
+            ("\0", "cannot be imported: "),
+            ("THINGS = []", "has none of the tables FAMILIES, CONTESTANTS, SCENARIOS, MODELS"),
+            ("class One:\n    name = title = 'mine'\nMODELS = [One]", "mine does not say its family"),
+            (
+                "class One:\n    name = title = 'mine'\n    family = 'tetra'\nMODELS = [One]",
+                "the model mine: a type, not a tetrabench.mesh.models.model.Model",
+            ),
+            (MINE.replace("my-box", "box"), "the model 'box' is defined twice; that of tetrabench is taken"),
+        ],
+    )
+    def test_a_broken_one_is_named_and_skipped(self, write_plugin, text, reason):
+        write_plugin(text)
+        with skipped_by("mine.py: " + re.escape(reason)):
+            assert "v3" in [one.name for one in registry.contestants("tetra")]
+            registry.family("tetra")
+
+    def test_one_that_is_not_there(self, write_plugin):
+        write_plugin("").unlink()
+        with skipped_by("mine.py: there is no file "):
+            registry.family("tetra")
+
+    def test_a_worker_knows_it_too_and_says_what_is_skipped_once(self, write_plugin, capfd):
+        write_plugin(MINE)
+        write_plugin("1/0", "other.py")
+        with Inquiry() as guide:
+            with skipped_by("other.py: cannot be imported: ZeroDivisionError"):
+                described = guide.describe("tetra")
+            assert "my-v3" in [one.name for one in described.contestants]
+            found = guide.find_model(Find("tetra", "my-box", 400))
+        assert found.size["tetras"] == 384
+        assert capfd.readouterr().err == ""

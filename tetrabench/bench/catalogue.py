@@ -4,10 +4,13 @@ To import a family is to import the compiler, and to generate a model is to hold
 (`Inquiry`), and keeps what that takes. A library call asks in its own process (`Registry`).
 """
 
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
 from typing import Protocol
+
+import msgspec
 
 from tetrabench import registry
 from tetrabench.bench.messages import (
@@ -22,7 +25,7 @@ from tetrabench.bench.messages import (
     ScenarioFacts,
 )
 from tetrabench.bench.spawn import WorkerDied, WorkerProcess
-from tetrabench.errors import InputError, MemoryRefusedError, TetrabenchError
+from tetrabench.errors import InputError, MemoryRefusedError, PluginWarning, TetrabenchError
 
 
 class Guide(Protocol):
@@ -42,10 +45,10 @@ class Registry:
         """What a family has to offer.
 
         Raises:
-            InputError: there is none of that name, or a plug-in cannot be imported.
+            InputError: there is none of that name.
         """
         kind = registry.family(family)
-        return Described(
+        found = Described(
             reference=kind.reference,
             thesis_order=list(kind.thesis_order),
             default_model=kind.default_model,
@@ -65,6 +68,7 @@ class Registry:
                 for one in registry.scenarios(family)
             ],
         )
+        return msgspec.structs.replace(found, skipped=registry.skipped())
 
     def find_model(self, find: Find) -> Found:
         """A model: where it lies, and what it holds.
@@ -103,10 +107,12 @@ class Inquiry:
         """What a family has to offer.
 
         Raises:
-            InputError: there is none of that name, or a plug-in cannot be imported.
+            InputError: there is none of that name.
         """
         reply = self._ask(Describe(family))
         assert isinstance(reply, Described), reply
+        for sentence in reply.skipped:  # the worker itself keeps silent
+            warnings.warn(f"skipped {sentence}", PluginWarning, stacklevel=2)
         return reply
 
     def find_model(self, find: Find) -> Found:

@@ -138,7 +138,7 @@ class ScenarioFacts(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Described(msgspec.Struct, frozen=True, tag=True, kw_only=True):
-    """What a family has to offer, in the order of its tables."""
+    """What a family has to offer, in the order of its tables. `skipped`: what plug-ins are broken, a sentence each."""
 
     reference: str
     thesis_order: list[str]
@@ -146,6 +146,7 @@ class Described(msgspec.Struct, frozen=True, tag=True, kw_only=True):
     scenarios: list[ScenarioFacts]
     default_model: str = ""
     size_option: str = "tets"
+    skipped: list[str] = []
 
 
 class Found(msgspec.Struct, frozen=True, tag=True):

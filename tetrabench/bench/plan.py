@@ -12,6 +12,7 @@ from typing import TypeVar
 
 import msgspec
 
+from tetrabench import plugins
 from tetrabench.bench.catalogue import Guide, Registry
 from tetrabench.bench.messages import ContestantFacts, Described, Find, ScenarioFacts
 from tetrabench.bench.record import Backend, Effort, Model, Task
@@ -173,6 +174,7 @@ def make_plan(
         asked,
         "check" if profile == "check" else "run",
         family=family if family != "tetra" else None,
+        plugin=[path.name for path in plugins.files()],
         backend=backends,
         scenario=scenarios,
         reference=called if called != kind.reference else None,
@@ -381,8 +383,8 @@ def _command(model: str, verb: str, **flags: object) -> str:
     for name, value in flags.items():
         if value is None or value is False or value == []:
             continue
-        if name == "option":
-            words += [word for one in value for word in ("--option", one)]  # type: ignore[attr-defined]
+        if name in ("option", "plugin"):  # their values are never joined
+            words += [word for one in value for word in (f"--{name}", one)]  # type: ignore[attr-defined]
         else:
             words.append(f"--{name}")
             if value is not True:

@@ -9,6 +9,7 @@ import gc
 import math
 import os
 import sys
+import warnings
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -43,7 +44,7 @@ from tetrabench.bench.messages import (
     encode,
 )
 from tetrabench.bench.yardsticks import measure_yardsticks
-from tetrabench.errors import InputError, MemoryRefusedError, TetrabenchError, UnsupportedError
+from tetrabench.errors import InputError, MemoryRefusedError, PluginWarning, TetrabenchError, UnsupportedError
 from tetrabench.jit import count_compiled
 from tetrabench.memory import held_to_available
 from tetrabench.protocols import Contestant, Family, Options, Scenario, Stage
@@ -237,6 +238,7 @@ def _move_pipes() -> tuple[BinaryIO, BinaryIO]:
 def main() -> None:
     """Serve requests until there are no more."""
     requests, replies = _move_pipes()
+    warnings.simplefilter("ignore", PluginWarning)  # whoever asks is told (`Described.skipped`), once
     worker = Worker()
     with held_to_available():
         for line in requests:

@@ -16,7 +16,7 @@ from tetrabench.cli.machine import doctor
 from tetrabench.cli.meshes import convert, generate, info
 from tetrabench.cli.reporting import report
 from tetrabench.cli.runs import check, list_, run, show
-from tetrabench.cli.speech import say
+from tetrabench.cli.speech import say, told_of_skipped
 from tetrabench.cli.viewing import view
 from tetrabench.cli.watching import watch
 from tetrabench.errors import InputError, TetrabenchError, find_named
@@ -59,7 +59,8 @@ class Verbs(click.Group):
     def invoke(self, ctx: click.Context) -> Any:
         """Run a verb."""
         try:
-            return super().invoke(ctx)
+            with told_of_skipped():
+                return super().invoke(ctx)
         except TetrabenchError as error:
             say(f"tetrabench: {error}")
             ctx.exit(error.exit_code)

@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from tetrabench.cli.options import FILE, check_folder, numbering_option, read_count, repair_option, seed_option
+from tetrabench.cli.options import (
+    FILE,
+    check_folder,
+    numbering_option,
+    plugin_option,
+    read_count,
+    repair_option,
+    seed_option,
+)
 from tetrabench.cli.speech import patience, say
 from tetrabench.errors import InputError, RepairableError, find_named
 
@@ -24,6 +32,7 @@ field_option = click.option(
 @click.command()
 @click.argument("file", metavar="FILE", type=FILE)
 @repair_option
+@plugin_option
 @click.option("--format", "form", type=click.Choice(["table", "json"]), default="table", show_default=True)
 def info(file: Path, repair: str, form: str) -> None:
     """Describe a mesh, or a file of objects: what it holds, what is wrong with it, what was left out.
@@ -65,6 +74,7 @@ def info(file: Path, repair: str, form: str) -> None:
 @numbering_option
 @seed_option
 @repair_option
+@plugin_option
 @click.option(
     "--unused",
     type=click.Choice(["drop", "keep"]),
@@ -112,6 +122,7 @@ def convert(source: Path, target: Path, numbering: str, seed: int, repair: str, 
 )
 @numbering_option
 @seed_option
+@plugin_option
 @field_option
 @click.option("-o", "--output", metavar="FILE", type=FILE, callback=check_folder, required=True)
 def generate(name: str, size: int | None, numbering: str, seed: int, field: str | None, output: Path) -> None:
@@ -122,7 +133,7 @@ def generate(name: str, size: int | None, numbering: str, seed: int, field: str 
     """
     from tetrabench.io.kinds import MESHES
 
-    kind: Kind = find_named("model", {model: kind for kind in (*MESHES, *all_kinds()) for model in kind.names}, name)
+    kind: Kind = find_named("model", {model: kind for kind in (*MESHES, *all_kinds()) for model in kind.models}, name)
     kind.check_target(output, field)
     with patience(f"making {name}"):
         model = kind.make(name, size, numbering, seed)

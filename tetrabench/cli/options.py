@@ -94,6 +94,30 @@ def check_numberings(ctx: click.Context, param: click.Parameter, text: str) -> l
     return [check_numbering(ctx, param, name.strip()) for name in text.split(",")]
 
 
+def read_plugins(ctx: click.Context, param: click.Parameter, paths: tuple[Path, ...]) -> None:
+    """Name plug-in files for as long as the verb runs."""
+    if paths:
+        from tetrabench import plugins, registry
+
+        for path in paths:
+            if not path.is_file():
+                raise click.BadParameter(f"there is no file {path}", ctx, param)
+        ctx.with_resource(plugins.using(paths))
+        registry.forget()
+        ctx.call_on_close(registry.forget)
+
+
+plugin_option = click.option(
+    "--plugin",
+    multiple=True,
+    expose_value=False,
+    is_eager=True,
+    callback=read_plugins,
+    type=FILE,
+    metavar="FILE.py",
+    help="A file with contestants, scenarios, models or families of your own, in the tables CONTESTANTS, SCENARIOS, MODELS and "
+    "FAMILIES; may come several times.",
+)
 seed_option = click.option(
     "--seed", type=click.IntRange(min=0), default=0, help="Of all that is random.", show_default=True
 )
@@ -183,6 +207,7 @@ def _subject_options() -> list[Callable[..., Any]]:
     return [
         click.option("--model", metavar="FILE|NAME", help=model_help),
         family_option,
+        plugin_option,
         click.option("--backend", "backends", **names | {"help": backend_help}),
         click.option("--scenario", "scenarios", **names),
         *(

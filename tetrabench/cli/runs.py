@@ -17,6 +17,7 @@ from tetrabench.cli.options import (
     family_option,
     format_option,
     intervals_option,
+    plugin_option,
     read_seconds,
     timeout_option,
     what_options,
@@ -119,6 +120,7 @@ def show(results: Path, charts: Path | None, chart_format: str, form: str, inter
 @click.command("list")
 @click.argument("what", type=click.Choice(["backends", "scenarios", "models"]))
 @family_option
+@plugin_option
 def list_(what: str, family: str) -> None:
     """List the backends, scenarios or models that there are."""
     from tetrabench import registry
@@ -171,7 +173,7 @@ def _counts(scenario: Scenario) -> str:
     """Its options, and those of the source where they are others."""
     thesis = scenario.thesis
     return ", ".join(
-        f"{name} {count:,}" + (f" (thesis {thesis[name]:,})" if thesis[name] != count else "")
+        f"{name} {count:,}" + (f" (thesis {thesis[name]:,})" if thesis.get(name, count) != count else "")
         for name, count in scenario.options.items()
     )
 

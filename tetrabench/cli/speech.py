@@ -5,10 +5,13 @@ from __future__ import annotations
 import contextlib
 import sys
 import threading
+import warnings
 from time import monotonic
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
+
+from tetrabench.errors import PluginWarning
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -25,6 +28,25 @@ WIDTH = 100  # where there is no terminal to fit into
 def say(message: str) -> None:
     """A message to the person, apart from what was asked for."""
     click.echo(message, err=True)
+
+
+@contextlib.contextmanager
+def told_of_skipped() -> Iterator[None]:
+    """Say what plug-ins are skipped when that happens, each once."""
+    said = set()
+    show = warnings.showwarning
+
+    def tell(message: Warning | str, category: type[Warning], *rest: Any, **more: Any) -> None:
+        if not issubclass(category, PluginWarning):
+            show(message, category, *rest, **more)
+        elif str(message) not in said:
+            said.add(str(message))
+            say(f"tetrabench: {message}")
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", PluginWarning)
+        warnings.showwarning = tell
+        yield
 
 
 def tabulate(head: Sequence[str], rows: Sequence[Sequence[str]]) -> None:

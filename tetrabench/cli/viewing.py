@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tetrabench.cli.meshes import all_kinds
-from tetrabench.cli.options import FILE, check_folder, family_option, numbering_option, read_count, seed_option
+from tetrabench.cli.options import (
+    FILE,
+    check_folder,
+    family_option,
+    numbering_option,
+    plugin_option,
+    read_count,
+    seed_option,
+)
 from tetrabench.cli.speech import patience, say
 from tetrabench.errors import InputError, find_named
 
@@ -51,6 +59,7 @@ def check_values(ctx: click.Context, param: click.Parameter, path: Path | None) 
 @click.command()
 @click.argument("model", metavar="FILE|NAME")
 @family_option
+@plugin_option
 @click.option(
     "--tets",
     "--cells",
@@ -95,7 +104,7 @@ def view(
     from tetrabench.io.formats import NoCellsError
 
     for kind in all_kinds():
-        if kind.drawn_by and (model in kind.names or kind.holds(model)):
+        if kind.drawn_by and (model in kind.models or kind.holds(model)):
             raise InputError(f"{model}: {kind.drawn_by.format(model)}")
     with patience(f"looking up {model}"):
         path = find_file(model, family, size, numbering, seed)

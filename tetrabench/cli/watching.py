@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from tetrabench.cli.options import FILE, check_folder, numbering_option, read_count, seed_option
+from tetrabench.cli.options import FILE, check_folder, numbering_option, plugin_option, read_count, seed_option
 from tetrabench.cli.speech import patience, say
 from tetrabench.errors import InputError
 
@@ -34,6 +34,7 @@ def read_bounce(ctx: click.Context, param: click.Parameter, number: float) -> fl
 @click.option("--objects", callback=read_count, metavar="N", help="Of a generated model.  [default: 2k]")
 @numbering_option
 @seed_option
+@plugin_option
 @click.option("--backend", default="kdtree", show_default=True, metavar="A", help="The structure to begin with.")
 @click.option("--option", "options", multiple=True, metavar="NAME=N", help="Of a backend, such as kdtree.capacity=8.")
 @click.option("--gravity", type=float, default=0.0, show_default=True, callback=read_gravity, help="Downward, a step.")

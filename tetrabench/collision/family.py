@@ -1,6 +1,7 @@
 """The collision family, as the harness sees it: its models, its reference contestant, its stage."""
 
 from collections.abc import Mapping
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from tetrabench.collision.simulation import Simulation
 from tetrabench.collision.start.files import check_objects_source, check_objects_target, read_objects, write_objects
 from tetrabench.collision.start.inspection import count_outside
 from tetrabench.collision.start.kind import OBJECTS
-from tetrabench.collision.start.models import MODELS, generate_objects
+from tetrabench.collision.start.models import MODELS, add_model, generate_objects
 from tetrabench.io.shelf import Shelf
 from tetrabench.protocols import ModelFacts
 
@@ -71,7 +72,9 @@ def _make(name: str, size: int | None, numbering: str, seed: int, path: Path) ->
 
 
 SHELF = Shelf(
-    sizes={name: model.objects for name, model in MODELS.items()},
+    models=MODELS,
+    size_of=attrgetter("objects"),
+    maker_of=attrgetter("place"),
     suffix=".npz",
     make=_make,
     made_by=(tetrabench.collision.start, tetrabench.mesh),
@@ -88,8 +91,24 @@ class CollisionFamily:
     default_model = "uniform"
     size_option = "objects"
     thesis_order = ("motion", "concentration", "weightless", "gravity")
-    models: Mapping[str, str] = OBJECTS.names
     kind = OBJECTS
+
+    @property
+    def models(self) -> Mapping[str, str]:
+        """Models that can be generated: name -> one line about it."""
+        return {name: model.title for name, model in MODELS.items()}
+
+    def add_model(self, model: Any) -> None:
+        """Take in a model of a plug-in.
+
+        Raises:
+            InputError: it is no `Model` of this family.
+        """
+        add_model(model)
+
+    def drop_model(self, name: str) -> None:
+        """Forget a model that was added."""
+        del MODELS[name]
 
     def find_model(self, model: str, *, size: int | None, numbering: str, seed: int) -> Path:
         """The file of a model: `model` is a path, or the name of one that is generated into the user's cache."""

@@ -31,7 +31,7 @@ class Kind:
 
     Attributes:
         model: the class.
-        names: models that can be generated: name -> one line about it.
+        models: that can be generated, by name; each has a `title`, one line about it.
         suffixes: of files that may hold one.
         holds: whether a file may: by its suffix, or by a look into it where others have that suffix, too.
         make: (name, size or None, numbering, seed) -> model.
@@ -49,7 +49,7 @@ class Kind:
     """
 
     model: type
-    names: Mapping[str, str]
+    models: Mapping[str, Any]
     suffixes: Sequence[str]
     holds: Callable[[FilePath], bool]
     make: Callable[[str, int | None, str, int], Any]
@@ -112,7 +112,7 @@ def _tell_skipped(skipped: Mapping[str, int]) -> list[str]:
 
 TETRAS = Kind(
     model=TetraMesh,
-    names={name: model.title for name, model in models.MODELS.items()},
+    models=models.MODELS,
     suffixes=(*NASTRAN, *BY_SUFFIX),
     holds=lambda path: Path(path).suffix.lower() in (*NASTRAN, *BY_SUFFIX) and not is_surface(path),
     make=_make_tetras,
@@ -167,7 +167,7 @@ def _tell_polygons(mesh: PolygonMesh, unused: str) -> list[str]:
 
 POLYGONS = Kind(
     model=PolygonMesh,
-    names={name: model.title for name, model in polygon_models.MODELS.items()},
+    models=polygon_models.MODELS,
     suffixes=(EXACT, *BY_SUFFIX),
     holds=lambda path: Path(path).suffix.lower() in (EXACT, *BY_SUFFIX),
     make=_make_polygons,

@@ -2,11 +2,13 @@
 
 import functools
 import hashlib
+import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 from tetrabench.errors import InputError
 from tetrabench.folders import cache_root
@@ -18,14 +20,19 @@ class Shelf:
     """The models of a family.
 
     Attributes:
-        sizes: models that can be generated, name -> default size, in elements.
+        models: that can be generated, by name; plug-ins may add some.
+        size_of: (model) -> its default size, in elements.
+        maker_of: (model) -> the function that makes it.
         suffix: of the files that these are kept in.
         make: (name, size or None, numbering, seed, path): generate a model into a file.
-        made_by: packages that generated models depend on: those that other code made are not taken.
+        made_by: packages that generated models depend on, beside the files of their makers: those that other code made are
+            not taken.
         check_source, check_target: refuse a path that no reader reads, or no writer writes, with an InputError.
     """
 
-    sizes: Mapping[str, int]
+    models: Mapping[str, Any]
+    size_of: Callable[[Any], int]
+    maker_of: Callable[[Any], Callable[..., Any]]
     suffix: str
     make: Callable[[str, int | None, str, int, Path], None]
     made_by: tuple[ModuleType, ...]
@@ -38,25 +45,27 @@ class Shelf:
         Raises:
             InputError: there is no such file and no such model; says how to get one. Or what `make` refuses.
         """
-        if model not in self.sizes:
+        if model not in self.models:
             path = Path(model)
             if not is_file(path):
                 raise InputError(self._how_to_get(path))
             self.check_source(path)
             if size is not None or numbering != "natural":
                 raise InputError(
-                    f"{model} is a file: a size or numbering can only be given for {', '.join(self.sizes)}"
+                    f"{model} is a file: a size or numbering can only be given for {', '.join(self.models)}"
                 )
             return path
         folder = cache_root() / "models"
-        path = folder / f"{model}-{size or self.sizes[model]}-{numbering}-{seed}-{_stamp(self.made_by)}{self.suffix}"
+        row = self.models[model]
+        stamp = _stamp(self.made_by, _source_of(self.maker_of(row)))
+        path = folder / f"{model}-{size or self.size_of(row)}-{numbering}-{seed}-{stamp}{self.suffix}"
         if not path.is_file():
             folder.mkdir(parents=True, exist_ok=True)
             self.make(model, size, numbering, seed, path)
         return path
 
     def _how_to_get(self, path: Path) -> str:
-        if path.stem in self.sizes:
+        if path.stem in self.models:
             try:
                 self.check_target(path)
                 file = path
@@ -66,16 +75,24 @@ class Shelf:
                 f"{path}: no such file. Make one with `tetrabench generate {path.stem} -o {file}`, "
                 f"or say `--model {path.stem}` to have one made for you"
             )
-        near = get_close_matches(path.stem, self.sizes, n=1)
+        near = get_close_matches(path.stem, self.models, n=1)
         hint = f"; did you mean {near[0]}?" if near else ""
-        return f"{path}: no such file, and no model of that name; models are {', '.join(self.sizes)}{hint}"
+        return f"{path}: no such file, and no model of that name; models are {', '.join(self.models)}{hint}"
+
+
+def _source_of(maker: Callable[..., Any]) -> Path:
+    """The file that a function is written in, also one that some of its arguments were bound to."""
+    while isinstance(maker, functools.partial):
+        maker = maker.func
+    return Path(inspect.getfile(maker))
 
 
 @functools.cache
-def _stamp(packages: tuple[ModuleType, ...]) -> str:
-    """Eight digits that change with the sources of packages."""
+def _stamp(packages: tuple[ModuleType, ...], file: Path) -> str:
+    """Eight digits that change with the sources of packages, and a file."""
     digest = hashlib.sha256()
     for package in packages:
         for source in sorted(Path(package.__path__[0]).rglob("*.py")):
             digest.update(source.read_bytes())
+    digest.update(file.read_bytes())
     return digest.hexdigest()[:8]

@@ -1,14 +1,16 @@
 """The polygon family, as the harness sees it: its models, its reference contestant, its stage."""
 
 from collections.abc import Mapping
+from operator import attrgetter
 from pathlib import Path
+from typing import Any
 
 import tetrabench.io
 import tetrabench.mesh
 from tetrabench.io.polygons import check_polygon_source, check_polygon_target, read_polygons, write_polygons
 from tetrabench.io.shelf import Shelf
 from tetrabench.mesh.polygon import PolygonMesh
-from tetrabench.mesh.polygon.models import MODELS, generate_polygons
+from tetrabench.mesh.polygon.models import MODELS, add_model, generate_polygons
 from tetrabench.polygon.contestant import PolygonContestant
 from tetrabench.polygon.net import PolygonNet
 from tetrabench.protocols import ModelFacts
@@ -68,7 +70,9 @@ def _make(name: str, size: int | None, numbering: str, seed: int, path: Path) ->
 
 
 SHELF = Shelf(
-    sizes={name: model.cells for name, model in MODELS.items()},
+    models=MODELS,
+    size_of=attrgetter("cells"),
+    maker_of=attrgetter("build"),
     suffix=".npz",
     make=_make,
     made_by=(tetrabench.mesh, tetrabench.io),
@@ -98,8 +102,24 @@ class PolygonFamily:
         "gas-cell",
         "gas-cell-adjacency",
     )
-    models: Mapping[str, str] = {name: model.title for name, model in MODELS.items()}
     kind = None
+
+    @property
+    def models(self) -> Mapping[str, str]:
+        """Models that can be generated: name -> one line about it."""
+        return {name: model.title for name, model in MODELS.items()}
+
+    def add_model(self, model: Any) -> None:
+        """Take in a model of a plug-in.
+
+        Raises:
+            InputError: it is no `Model` of this family.
+        """
+        add_model(model)
+
+    def drop_model(self, name: str) -> None:
+        """Forget a model that was added."""
+        del MODELS[name]
 
     def find_model(self, model: str, *, size: int | None, numbering: str, seed: int) -> Path:
         """The file of a model: `model` is a path, or the name of one that is generated into the user's cache."""

@@ -1,7 +1,9 @@
 """The tetra family, as the harness sees it: its models, its reference contestant, its stage."""
 
 from collections.abc import Mapping
+from operator import attrgetter
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +15,7 @@ from tetrabench.io.formats import NoCellsError
 from tetrabench.io.shelf import Shelf
 from tetrabench.jit import kernel
 from tetrabench.mesh import TetraMesh
-from tetrabench.mesh.models import MODELS, generate
+from tetrabench.mesh.models import MODELS, add_model, generate
 from tetrabench.protocols import ModelFacts
 from tetrabench.tetra.contestant import TetraContestant
 from tetrabench.tetra.interface import (
@@ -142,7 +144,9 @@ def _make(name: str, size: int | None, numbering: str, seed: int, path: Path) ->
 
 
 SHELF = Shelf(
-    sizes={name: model.tets for name, model in MODELS.items()},
+    models=MODELS,
+    size_of=attrgetter("tets"),
+    maker_of=attrgetter("build"),
     suffix=".nas",
     make=_make,
     made_by=(tetrabench.mesh, tetrabench.io),
@@ -159,8 +163,24 @@ class TetraFamily:
     default_model = "nozzle"
     size_option = "tets"
     thesis_order = ("init", "delete", "explode", "alfa", "flow", "free")
-    models: Mapping[str, str] = {name: model.title for name, model in MODELS.items()}
     kind = None
+
+    @property
+    def models(self) -> Mapping[str, str]:
+        """Models that can be generated: name -> one line about it."""
+        return {name: model.title for name, model in MODELS.items()}
+
+    def add_model(self, model: Any) -> None:
+        """Take in a model of a plug-in.
+
+        Raises:
+            InputError: it is no `Model` of this family.
+        """
+        add_model(model)
+
+    def drop_model(self, name: str) -> None:
+        """Forget a model that was added."""
+        del MODELS[name]
 
     def find_model(self, model: str, *, size: int | None, numbering: str, seed: int) -> Path:
         """The file of a model: `model` is a path, or the name of one that is generated into the user's cache."""

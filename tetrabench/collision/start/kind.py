@@ -33,7 +33,7 @@ def _count(start: Start) -> str:
 
 OBJECTS = Kind(
     model=Start,
-    names={name: model.title for name, model in MODELS.items()},
+    models=MODELS,
     suffixes=(EXACT, TABLE),
     holds=holds_objects,
     make=lambda name, size, numbering, seed: generate_objects(name, size, numbering=numbering, seed=seed),

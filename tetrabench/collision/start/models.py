@@ -7,6 +7,7 @@ Radii, masses, velocities and room are those of the source's published code, sin
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -52,17 +53,20 @@ class Model:
         objects: default number of objects.
     """
 
+    family: ClassVar[str] = "collision"
     name: str
     title: str
     place: Callable[[int, float, np.random.Generator], tuple[Floats, Floats, Floats]]
     objects: int = 100_000
 
 
-def generate_objects(name: str, count: int | None = None, *, numbering: str = "natural", seed: int = 0) -> Start:
+def generate_objects(
+    name: str | Model, count: int | None = None, *, numbering: str = "natural", seed: int = 0
+) -> Start:
     """Make a model.
 
     Args:
-        name: one of MODELS.
+        name: one of MODELS; or a `Model` of your own.
         count: the number of objects, from 0 (the model's default where None).
         numbering: one of NUMBERINGS; "natural" is at random already.
         seed: of all that is drawn, 0 or more.
@@ -72,7 +76,7 @@ def generate_objects(name: str, count: int | None = None, *, numbering: str = "n
             MOST_OBJECTS, or a seed below 0.
         MemoryRefusedError: more objects than there is memory for.
     """
-    model = find_named("model", MODELS, name)
+    model = name if isinstance(name, Model) else find_named("model", MODELS, name)
     check_numbering(numbering)  # before the work, not after it
     check_seed(seed)
     wanted = model.objects if count is None else count
@@ -84,7 +88,7 @@ def generate_objects(name: str, count: int | None = None, *, numbering: str = "n
     x, y, r = model.place(wanted, side, random)
     vx, vy = SLOWEST + PACE * random.integers(PACES, size=(2, wanted))
     objects = make_objects(x, y, vx, vy, r, MASS * r * r / RADIUS**2)  # all of one matter
-    source = f"{name}: {wanted:,} objects, {model.title}, in a box of {side:,.0f} x {side:,.0f}"
+    source = f"{model.name}: {wanted:,} objects, {model.title}, in a box of {side:,.0f} x {side:,.0f}"
     return renumber_objects(Start(objects, side, side, source), numbering, seed)
 
 
@@ -139,3 +143,14 @@ MODELS = {
         Model("separated", "all of radius 10, none in contact", place_separated),
     )
 }
+
+
+def add_model(model: Model) -> None:
+    """Take in a model of others, under its name, in the place of one of that name.
+
+    Raises:
+        InputError: it is no Model.
+    """
+    if not isinstance(model, Model):
+        raise InputError(f"a {type(model).__name__}, not a {Model.__module__}.Model")
+    MODELS[model.name] = model

@@ -24,11 +24,22 @@ MOST_BYTES = {"natural": 70, "shuffled": 100, "hilbert": 220, "rcm": 260}
 MODELS = {model.name: model for model in (NOZZLE, INTAKE, BOX)}
 
 
-def generate(name: str, tets: int | None = None, *, numbering: str = "natural", seed: int = 0) -> TetraMesh:
+def add_model(model: Model) -> None:
+    """Take in a model of others, under its name, in the place of one of that name.
+
+    Raises:
+        InputError: it is no Model.
+    """
+    if not isinstance(model, Model):
+        raise InputError(f"a {type(model).__name__}, not a {Model.__module__}.Model")
+    MODELS[model.name] = model
+
+
+def generate(name: str | Model, tets: int | None = None, *, numbering: str = "natural", seed: int = 0) -> TetraMesh:
     """Make a model: conforming, every volume positive, lengths in metres, ids from 1 in the order of the rows.
 
     Args:
-        name: one of MODELS.
+        name: one of MODELS; or a `Model` of your own.
         tets: the number of tets wanted (the model's default where None). The model takes the nearest it can
             divide into; what it holds, and its smallest dihedral angle in degrees, stand in `report.source`.
         numbering: one of NUMBERINGS; "natural" is layer by layer.
@@ -38,7 +49,7 @@ def generate(name: str, tets: int | None = None, *, numbering: str = "natural", 
         InputError: an unknown model or numbering, fewer than one tetra wanted, or a seed below 0.
         MemoryRefusedError: more tets wanted than there is memory for.
     """
-    model: Model = find_named("model", MODELS, name)
+    model: Model = name if isinstance(name, Model) else find_named("model", MODELS, name)
     find_named("numbering", NUMBERINGS, numbering)  # before the work, not after it
     check_seed(seed)
     wanted = model.tets if tets is None else tets
@@ -51,7 +62,7 @@ def generate(name: str, tets: int | None = None, *, numbering: str = "natural", 
     assert signed_volumes(points, regular.tets).min() > 0, "the reach of the points is too long"
     angle = smallest_dihedral_angle(points, regular.tets)
     source = (
-        f"{name}: {len(regular.tets)} tets, {len(points)} points, {regular.words}, lengths in metres, "
+        f"{model.name}: {len(regular.tets)} tets, {len(points)} points, {regular.words}, lengths in metres, "
         f"smallest dihedral angle {angle:.1f} degrees, seed {seed}"
     )
     ids = np.arange(1, len(points) + 1, dtype=np.int64), np.arange(1, len(regular.tets) + 1, dtype=np.int64)

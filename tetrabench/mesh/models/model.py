@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +34,7 @@ class Model:
     """A row of MODELS: name, one-line title, default number of tets, and the function that builds about that
     many."""
 
+    family: ClassVar[str] = "tetra"
     name: str
     title: str
     tets: int

@@ -23,11 +23,24 @@ MOST_CELLS = (2**31 - 1) // 6
 """Up to here the places in a cell list, on average less than six a cell, have room in 32 bits."""
 
 
-def generate_polygons(name: str, cells: int | None = None, *, numbering: str = "natural", seed: int = 0) -> PolygonMesh:
+def add_model(model: PolygonModel) -> None:
+    """Take in a model of others, under its name, in the place of one of that name.
+
+    Raises:
+        InputError: it is no PolygonModel.
+    """
+    if not isinstance(model, PolygonModel):
+        raise InputError(f"a {type(model).__name__}, not a {PolygonModel.__module__}.PolygonModel")
+    MODELS[model.name] = model
+
+
+def generate_polygons(
+    name: str | PolygonModel, cells: int | None = None, *, numbering: str = "natural", seed: int = 0
+) -> PolygonMesh:
     """Make a model: the unit square, its cells counter-clockwise, with no point twice and none between two others.
 
     Args:
-        name: one of MODELS.
+        name: one of MODELS; or a `PolygonModel` of your own.
         cells: the number of cells wanted (the model's default, the source's, where None). The model takes the nearest it
             can divide into; what it holds stands in `report.source`.
         numbering: one of NUMBERINGS; "natural" is row by row, for "voronoi" at random already.
@@ -38,7 +51,7 @@ def generate_polygons(name: str, cells: int | None = None, *, numbering: str = "
             one that draws two centres of "voronoi" too near each other.
         MemoryRefusedError: more cells wanted than there is memory for.
     """
-    model: PolygonModel = find_named("model", MODELS, name)
+    model: PolygonModel = name if isinstance(name, PolygonModel) else find_named("model", MODELS, name)
     find_named("numbering", NUMBERINGS, numbering)  # before the work, not after it
     check_seed(seed)
     wanted = model.cells if cells is None else cells
@@ -48,7 +61,7 @@ def generate_polygons(name: str, cells: int | None = None, *, numbering: str = "
     division = model.build(wanted, seed)
     conditions = side_conditions(division)
     counts = len(division.starts) - 1, (len(conditions) + np.count_nonzero(conditions)) // 2, len(division.points)
-    source = "{}: {} cells, {} edges, {} nodes, {}".format(name, *counts, division.words)
+    source = "{}: {} cells, {} edges, {} nodes, {}".format(model.name, *counts, division.words)
     mesh = PolygonMesh(division.points, division.starts, division.nodes, conditions, PolygonReport(source=source))
     return renumber_polygons(mesh, numbering, seed)
 

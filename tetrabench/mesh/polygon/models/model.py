@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,6 +45,7 @@ class PolygonModel:
         bytes: memory taken at the peak for each cell, measured at the default size in all numberings, rounded up.
     """
 
+    family: ClassVar[str] = "polygon"
     name: str
     title: str
     cells: int

@@ -1,0 +1,64 @@
+"""--plugin: a file of one's own takes part in every verb that looks things up."""
+
+import os
+
+import pytest
+from click.testing import CliRunner
+
+from tests.bench.test_registry import MINE
+from tetrabench.cli import main
+
+
+def say(*words):
+    return CliRunner().invoke(main, [str(word) for word in words])
+
+
+@pytest.fixture
+def mine(tmp_path):
+    path = tmp_path / "mine.py"
+    path.write_text(MINE)
+    return path
+
+
+def test_it_is_listed_and_forgotten_again(mine):
+    for what, name in (("backends", "my-v3"), ("scenarios", "mine-alfa"), ("models", "my-box")):
+        assert name in say("list", what, "--plugin", mine).stdout
+        assert name not in say("list", what).stdout
+    assert "TETRABENCH_PLUGINS" not in os.environ
+
+
+def test_it_takes_part_in_a_run(mine, tmp_path):
+    words = ("--model", "my-box", "--tets", "400", "--backend", "v3,my-v3", "--scenario", "mine-alfa")
+    done = say("check", *words, "--plugin", mine)
+    assert done.exit_code == 0, done.output
+    assert "my-v3" in done.stdout
+    told = say("run", *words, "--plugin", mine, "--dry-run").stdout
+    assert "tetrabench run --model my-box --plugin mine.py --backend v3,my-v3" in told
+
+
+def test_its_model_is_generated(mine, tmp_path):
+    done = say("generate", "my-box", "--tets", "400", "-o", tmp_path / "box.nas", "--plugin", mine)
+    assert done.exit_code == 0, done.output
+    assert done.stdout.startswith("my-box: 384 tets")
+
+
+def test_a_broken_one_is_named_and_skipped(tmp_path):
+    path = tmp_path / "broken.py"
+    path.write_text("1/0")
+    done = say("list", "backends", "--plugin", path)
+    assert done.exit_code == 0
+    assert done.stderr == (
+        "tetrabench: skipped plug-in broken.py: cannot be imported: ZeroDivisionError: division by zero\n"
+    )
+    assert "v3y" in done.stdout
+    done = say("run", "--backend", "mine", "--plugin", path, "--model", "box", "--tets", "300")
+    assert done.exit_code == 2
+    assert "skipped plug-in broken.py" in done.stderr
+    assert "no backend 'mine'" in done.stderr
+
+
+def test_one_that_is_not_there_is_refused(tmp_path):
+    done = say("list", "backends", "--plugin", tmp_path / "nowhere.py")
+    assert done.exit_code == 2
+    assert "there is no file" in done.stderr
+    assert done.stderr.count("\n") == 1

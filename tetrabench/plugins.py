@@ -1,0 +1,215 @@
+"""Where tables come from: entry points of distributions, ours like anybody's, and files that a person names.
+
+A table is what a plug-in adds: families, contestants, scenarios, models or workloads. What is wrong with a plug-in of
+others is named, and the plug-in skipped: it must not stand in the way of a run that may not want it.
+"""
+
+import hashlib
+import os
+import re
+import sys
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib.metadata import EntryPoint, entry_points
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from tetrabench.errors import InputError, PluginWarning
+from tetrabench.protocols import Contestant, Family, Option, Scenario
+
+OURS = "tetrabench"
+
+VARIABLE = "TETRABENCH_PLUGINS"
+"""The environment variable that holds the paths of plug-in files, so that workers know them too."""
+
+GROUPS = ("families", "contestants", "scenarios", "models", "workloads", "sources")
+"""Of entry points, each after `tetrabench.`. One of the first four, in capitals, is the name of a table in a file."""
+
+_KINDS: Mapping[str, type] = {"families": Family, "contestants": Contestant, "scenarios": Scenario}
+_NAME = re.compile(r"\w[\w.+-]*")
+
+
+class PluginError(Exception):
+    """What is wrong with a plug-in."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table that has not been loaded yet.
+
+    Attributes:
+        owner: whose it is: a distribution, or a file.
+        family: of all its members; None in a file, where each says so itself.
+        load: import it; whatever a plug-in does at import may come out.
+    """
+
+    owner: str
+    family: str | None
+    load: Callable[[], Any]
+
+
+_skipped: dict[str, None] = {}
+
+
+def skipped() -> list[str]:
+    """What has been skipped in this process, a sentence for each."""
+    return list(_skipped)
+
+
+def forget() -> None:
+    """Forget what has been skipped: the tables are about to be looked through again."""
+    _skipped.clear()
+
+
+def skip(owner: str, reason: object) -> None:
+    """Go on without a plug-in, or a part of it, and say so.
+
+    Raises:
+        InputError: it is a part of tetrabench itself.
+    """
+    sentence = " ".join(f"plug-in {owner}: {reason}".split())
+    if owner == OURS:
+        raise InputError(sentence)
+    if sentence not in _skipped:
+        _skipped[sentence] = None
+        warnings.warn(f"skipped {sentence}", PluginWarning, stacklevel=2)
+
+
+def tables(group: str) -> list[Table]:
+    """The tables of a group: ours first, then by distribution, then those in files as they were named."""
+    owners = {entry: _distribution(entry) for entry in entry_points(group=f"{OURS}.{group}")}
+    return [
+        *(
+            Table(owners[entry], entry.name, _loader(entry))
+            for entry in sorted(owners, key=lambda entry: (owners[entry] != OURS, owners[entry]))
+        ),
+        *(Table(path.name, None, _reader(path, group.upper())) for path in files() if group in GROUPS[:4]),
+    ]
+
+
+def members(table: Table, group: str) -> Iterator[Any]:
+    """The sound members of a table; what is wrong with the others, or with all of it, is skipped."""
+    try:
+        loaded = table.load()
+        found = [loaded] if group == "families" and table.family else list(loaded)  # an entry point is one family
+    except (Exception, SystemExit) as error:  # whatever a plug-in does at import
+        skip(table.owner, error if isinstance(error, PluginError) else f"cannot be imported: {_spell(error)}")
+        return
+    for member in found:
+        reason = _what_is_wrong(member, group, table.family)
+        if reason:
+            skip(table.owner, reason)
+        else:
+            yield member
+
+
+def files() -> list[Path]:
+    """The plug-in files that were named, each once."""
+    named = os.environ.get(VARIABLE, "").split(os.pathsep)
+    return list(dict.fromkeys(Path(name).absolute() for name in named if name))
+
+
+@contextmanager
+def using(paths: Iterable[str | os.PathLike[str]]) -> Iterator[None]:
+    """Name plug-in files beside those that are named already, for this process and those that it spawns."""
+    before = os.environ.get(VARIABLE)
+    named = [*files(), *(Path(path).absolute() for path in paths)]
+    os.environ[VARIABLE] = os.pathsep.join(map(str, named))
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ[VARIABLE]
+        else:
+            os.environ[VARIABLE] = before
+
+
+def _loader(entry: EntryPoint) -> Callable[[], Any]:
+    def load() -> Any:
+        try:
+            return entry.load()
+        except (Exception, SystemExit) as error:
+            raise PluginError(f"cannot import {entry.value}: {_spell(error)}") from error
+
+    return load
+
+
+def _reader(path: Path, name: str) -> Callable[[], Any]:
+    """The table of this name in a file; empty where it has none, as long as it has another."""
+
+    def load() -> Any:
+        module = _module(path)
+        names = [group.upper() for group in GROUPS[:4]]
+        if not any(hasattr(module, other) for other in names):
+            raise PluginError(f"has none of the tables {', '.join(names)}")
+        return getattr(module, name, ())
+
+    return load
+
+
+def _module(path: Path) -> ModuleType:
+    """A file as a module; once in a process, as any import. Its name follows from its path, for kernels are kept by it."""
+    digest = hashlib.sha256(os.fsencode(path)).hexdigest()[:8]
+    name = re.sub(r"\W", "_", f"{path.stem}_{digest}")
+    if name in sys.modules:
+        return sys.modules[name]
+    if not path.is_file():
+        raise PluginError(f"there is no file {path}")
+    spec = spec_from_file_location(name, path)
+    if spec is None or spec.loader is None:
+        raise PluginError(f"{path} is no Python file; its name must end in .py")
+    module = module_from_spec(spec)
+    sys.modules[name] = module
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[name]
+        raise
+    return module
+
+
+def _what_is_wrong(member: Any, group: str, family: str | None) -> str:
+    """Why something can be no member of a table; "" where it can. Raises nothing, whatever it is."""
+    try:
+        name = member.name
+        if not isinstance(name, str) or not _NAME.fullmatch(name):
+            return f"{name!r} is no name for one of its {group}: letters, digits, - and . in a word"
+        kind = _KINDS.get(group)
+        wanted = [attribute for attribute in vars(kind) if not attribute.startswith("_")] if kind else ["title"]
+        missing = [attribute for attribute in wanted if not hasattr(member, attribute)]
+        if missing:
+            return f"{name} has no {', '.join(missing)}, which all {group} have"
+        if group == "families":
+            return "" if family in (None, name) else f"the family {name} is registered under another name, {family}"
+        if family not in (None, getattr(member, "family", family)):
+            return f"{name} belongs to the family {member.family}, and is registered under {family}"
+        if family is None and not isinstance(getattr(member, "family", None), str):
+            return f"{name} does not say its family"
+        return _wrong_options(member, group)
+    except Exception as error:  # a property may raise anything
+        return f"one of its {group}, a {type(member).__name__}, is none: {_spell(error)}"
+
+
+def _wrong_options(member: Any, group: str) -> str:
+    """What is wrong with the options of a contestant, or the counts of a scenario; "" where nothing is."""
+    wanted: type = {"contestants": Option, "scenarios": int}.get(group, object)
+    if group not in ("contestants", "scenarios"):
+        return ""
+    for name, value in dict(member.options).items():
+        if not isinstance(name, str) or not _NAME.fullmatch(name) or not isinstance(value, wanted):
+            return f"{member.name} has an option {name!r} that is none: {value!r} is no {wanted.__name__}"
+    if group == "scenarios" and not set(member.thesis) <= set(member.options):
+        return f"{member.name} has counts in `thesis` that are not in its `options`"
+    return ""
+
+
+def _spell(error: BaseException) -> str:
+    return f"{type(error).__name__}: {error}".rstrip(": ")
+
+
+def _distribution(entry: EntryPoint) -> str:
+    return entry.dist.name if entry.dist else "an unknown distribution"
