@@ -12,6 +12,7 @@ from scipy.sparse.csgraph import connected_components
 
 from tests.meshes import single
 from tetrabench.cli import main
+from tetrabench.collision.start.models import MODELS as OBJECT_MODELS
 from tetrabench.errors import InputError
 from tetrabench.mesh import TetraMesh
 from tetrabench.mesh.check import check_mesh
@@ -235,7 +236,7 @@ def test_ids_follow_the_rows_in_any_numbering() -> None:
 
 def test_help_names_the_models() -> None:
     words = CliRunner().invoke(main, ["generate", "--help"]).stdout.replace(",", " ").replace(";", " ").split()
-    assert {*MODELS, *POLYGON_MODELS} <= set(words)
+    assert {*MODELS, *POLYGON_MODELS, *OBJECT_MODELS} <= set(words)
 
 
 def test_dihedral_angle_of_the_corner_of_a_cube() -> None:

@@ -101,17 +101,20 @@ def place_uniform(count: int, side: float, random: np.random.Generator) -> tuple
 def place_clustered(count: int, side: float, random: np.random.Generator) -> tuple[Floats, Floats, Floats]:
     """As in "uniform", drawn together around the middle of the box."""
     x, y, r = place_uniform(count, side, random)
-    shift = (1 - CLUSTER) / 2 * side
-    return shift + CLUSTER * x, shift + CLUSTER * y, r
+    return _drawn_together(x, side), _drawn_together(y, side), r
 
 
 def place_halo(count: int, side: float, random: np.random.Generator) -> tuple[Floats, Floats, Floats]:
     """As "clustered", with some of "uniform" around."""
     x, y, r = place_uniform(count, side, random)
-    shift = (1 - CLUSTER) / 2 * side
     inner = random.permutation(count)[math.ceil(count / ASTRAY) :]
-    x[inner], y[inner] = shift + CLUSTER * x[inner], shift + CLUSTER * y[inner]
+    x[inner], y[inner] = _drawn_together(x[inner], side), _drawn_together(y[inner], side)
     return x, y, r
+
+
+def _drawn_together(places: Floats, side: float) -> Floats:
+    """Places along a side of the box, drawn together around its middle."""
+    return (1 - CLUSTER) / 2 * side + CLUSTER * places
 
 
 def place_mixed(count: int, side: float, random: np.random.Generator) -> tuple[Floats, Floats, Floats]:
