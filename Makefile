@@ -10,7 +10,7 @@ BASE ?= $(shell git rev-parse --quiet --verify origin/main >/dev/null && echo or
 GATE = --model nozzle --tets 30k --backend v3y,v4 --scenario alfa,flow
 FORMAT ?= table
 
-.PHONY: run test test-all lint types bench-native bench-peers bench-cgal bench-polygon-peers gate gate-selftest measuring schema fuzz results reference screenshots thesis clean help
+.PHONY: run test dist test-dist test-versions test-all lint types bench-native bench-peers bench-cgal bench-polygon-peers gate gate-selftest measuring schema fuzz results reference screenshots thesis clean help
 
 help:            ## list the targets
 	@grep -E '^[a-z-]+: .*##|^[a-z-]+: *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 16
@@ -37,6 +37,17 @@ types: $(VENV)/developing  ## types and the direction of imports, on the package
 	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --target $(INSTALLED) .
 	cd $(INSTALLED) && PYTHONPATH=. ../../$(BIN)/lint-imports --config ../../pyproject.toml
 	cd $(INSTALLED) && ../../$(BIN)/mypy --config-file ../../pyproject.toml -p tetrabench
+
+dist: $(VENV)/developing  ## the sdist, and the wheel of that sdist, into dist/
+	rm -rf dist
+	$(BIN)/python -m build --outdir dist .
+	$(BIN)/python -m twine check --strict dist/*
+
+test-dist: dist  ## the wheel alone in an empty environment, on each Python that there is (some minutes each)
+	$(BIN)/python -m tests.packaging.empty_environments dist/*.whl
+
+test-versions: dist  ## a part of the suite with the lower bounds of all dependencies, and with their newest (some minutes each)
+	$(BIN)/python -m tests.packaging.versions dist/*.tar.gz
 
 gate: $(BIN)/tetrabench  ## is the working tree slower than BASE (origin/main, else HEAD~1)? some minutes
 	@mkdir -p $(OUT)
