@@ -15,6 +15,7 @@ from tests.packaging.environments import ROOT, build, copy_sources, find_python,
 from tests.packaging.environments import run as run_program
 from tests.packaging.first_steps import QUICK, Step, take
 from tests.packaging.lowest import constraints
+from tests.packaging.release import notes_of
 
 pytestmark = pytest.mark.xdist_group("packaging")
 
@@ -133,3 +134,27 @@ def test_the_citation_is_of_this_package():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     citation = yaml.safe_load((ROOT / "CITATION.cff").read_text())
     assert (citation["title"], citation["license"]) == (project["name"], project["license"])
+
+
+PROJECT = '[project]\nversion = "0.1.0"\n'
+
+
+def test_the_notes_of_a_release_are_its_section():
+    changelog = (
+        "# Changelog\n\n## Unreleased\n\n- Later.\n\n## 0.1.0 (today)\n\n- First.\n- Second.\n\n## 0.0.1\n\n- Old.\n"
+    )
+    assert notes_of("v0.1.0", PROJECT, changelog) == "- First.\n- Second."
+
+
+@pytest.mark.parametrize(
+    ("tag", "changelog", "why"),
+    [
+        ("v0.1.1", "## 0.1.1\n\n- New.\n", "pyproject.toml says 0.1.0"),
+        ("0.1.0", "## 0.1.0\n\n- New.\n", "the tag is 0.1.0"),
+        ("v0.1.0", "## Unreleased\n\n- New.\n", "CHANGELOG.md says nothing of 0.1.0"),
+        ("v0.1.0", "## 0.1.0\n\n## 0.0.1\n\n- Old.\n", "CHANGELOG.md says nothing of 0.1.0"),
+    ],
+)
+def test_a_tag_that_is_no_release(tag, changelog, why):
+    with pytest.raises(ValueError, match=why):
+        notes_of(tag, PROJECT, changelog)
