@@ -213,7 +213,7 @@ def test_cylindrical_and_spherical_systems(tmp_path: Path) -> None:
 
 def test_nested_systems_against_scipy(tmp_path: Path, rng: np.random.Generator) -> None:
     """System 3 within 2 within 1, by random rotations, and system 4 by the GRIDs of system 3."""
-    turns, shifts = Rotation.random(3, rng=rng), rng.normal(size=(3, 3))
+    turns, shifts = Rotation.from_quat(rng.normal(size=(3, 4))), rng.normal(size=(3, 3))
     cards = []
     for k in range(3):
         a, b, c = shifts[k] + np.array([[0, 0, 0], [0, 0, 1], [1, 0, 1]]) @ turns[k].as_matrix().T
