@@ -36,10 +36,20 @@ def saved(request: pytest.FixtureRequest, tmp_path: Path) -> tuple[Results, Path
     return MADE[request.param], tmp_path / "made.json"
 
 
+def in_one_order(schema):
+    """A schema with the choices of each anyOf sorted: versions of msgspec differ in their order, which means nothing."""
+    if isinstance(schema, list):
+        return [in_one_order(part) for part in schema]
+    if not isinstance(schema, dict):
+        return schema
+    settled = {name: in_one_order(part) for name, part in schema.items()}
+    return settled | ({"anyOf": sorted(settled["anyOf"], key=json.dumps)} if "anyOf" in settled else {})
+
+
 def test_the_published_schema_is_that_of_the_records():
     number = SCHEMA.rpartition("/")[2]
     published = (DOCS / f"results-{number}.schema.json").read_text()
-    assert published == spell_schema(), "say: make schema"
+    assert in_one_order(json.loads(published)) == in_one_order(json.loads(spell_schema())), "say: make schema"
     jsonschema.Draft202012Validator.check_schema(results_schema())
 
 
