@@ -1,6 +1,6 @@
 """What the harness asks of a family, a contestant, a scenario: all that `bench`, `report` and the verbs know of them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
@@ -79,6 +79,22 @@ class Workload:
     name: str
     title: str
     mix: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Rule:
+    """What every contestant of a family must do, and how that is found out.
+
+    Attributes:
+        title: what must be so, in a line.
+        faults: contestant -> sentences, each of which names a function of the interface and the situation; none: sound.
+        essential: whether nothing else can be asked of a contestant that breaks it.
+    """
+
+    name: str
+    title: str
+    faults: Callable[[Any], Iterable[str]]
+    essential: bool = False
 
 
 class Contestant(Protocol):
@@ -190,6 +206,10 @@ class Family(Protocol):
     def kind(self) -> Any | None:
         """What the verbs about models have to know of them (`io.kinds.Kind`); None of meshes, which they know, and of models
         that only `run` and the like take."""
+
+    @property
+    def rules(self) -> Sequence[Rule]:
+        """What every contestant must do, in an order in which what comes first is relied upon later."""
 
     def add_model(self, model: Any) -> None:
         """Take in a model of a plug-in, under its `name`, among those that can be generated.

@@ -191,6 +191,7 @@ class Family:
     thesis_order = ("third", "first", "second")
     models = {"tiny": "three letters"}
     kind = None
+    rules = ()
 
     def add_model(self, model: object) -> None:
         raise InputError("three letters are enough")

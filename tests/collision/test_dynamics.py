@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from tests.collision.starts import SLOW, STARTS, scattered, start_of
-from tests.collision.twin import Twin
 from tests.collision.variants import variant
 from tetrabench.collision.contestant import CollisionContestant
 from tetrabench.collision.dynamics import BITS, put_in_order
 from tetrabench.collision.objects import Objects, Start, make_objects
 from tetrabench.collision.simulation import Simulation
+from tetrabench.collision.twin import Twin
 
 HUGE = 2.0**40
 """A box without walls: nothing comes so far; what begins in the middle of it is exact to 2^-12."""

@@ -10,7 +10,6 @@ from numba import config
 
 from tests.collision.audit import audit
 from tests.collision.starts import SLOW, STARTS, scattered, start_of
-from tests.collision.twin import Twin
 from tests.collision.variants import EXACT, variant
 from tetrabench.backends.collision import CONTESTANTS, STRUCTURES
 from tetrabench.backends.collision.kdtree.storage import BUFFERS, NODES
@@ -18,6 +17,7 @@ from tetrabench.collision.contestant import CollisionContestant
 from tetrabench.collision.interface import Storage
 from tetrabench.collision.objects import Objects, Start, make_objects
 from tetrabench.collision.simulation import Simulation
+from tetrabench.collision.twin import Twin
 from tetrabench.errors import InputError
 
 KDTREE = STRUCTURES["kdtree"]

@@ -6,9 +6,9 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, ru
 
 from tests.collision.audit import audit
 from tests.collision.starts import SLOW, STARTS
-from tests.collision.twin import Twin
 from tests.collision.variants import EXACT, variant
 from tetrabench.collision.simulation import Simulation
+from tetrabench.collision.twin import Twin
 
 BEGIN = {
     "kdtree": variant("kdtree"),

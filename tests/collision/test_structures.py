@@ -9,10 +9,10 @@ from numba import config
 
 from tests.collision.audit import audit
 from tests.collision.starts import SIZE, SLOW, STARTS, doubling, scattered, start_of
-from tests.collision.twin import Pair, Twin
 from tests.collision.variants import CAPACITIES, EXACT, variant
 from tetrabench.collision.objects import Start
 from tetrabench.collision.simulation import Simulation, _pairs, _query_rect
+from tetrabench.collision.twin import Pair, Twin
 
 STEPS = 6 if SLOW else 12
 GRAVITY, BOUNCE = 0.1, 0.9

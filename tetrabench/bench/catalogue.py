@@ -22,6 +22,7 @@ from tetrabench.bench.messages import (
     Found,
     Reply,
     Request,
+    RuleFacts,
     ScenarioFacts,
 )
 from tetrabench.bench.spawn import WorkerDied, WorkerProcess
@@ -67,6 +68,7 @@ class Registry:
                 ScenarioFacts(name=one.name, options=dict(one.options), thesis=dict(one.thesis), parallel=one.parallel)
                 for one in registry.scenarios(family)
             ],
+            rules=[RuleFacts(name=one.name, title=one.title, essential=one.essential) for one in kind.rules],
         )
         return msgspec.structs.replace(found, skipped=registry.skipped())
 

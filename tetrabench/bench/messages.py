@@ -1,6 +1,7 @@
 """What the parent and a worker say to each other: one request, one reply, a line of JSON each.
 
-The order is Open, Warm for each task, Load, Measure again and again; or Open, Weigh; or Gauge, Describe, Find alone.
+The order is Open, Warm for each task, Load, Measure again and again; or Open, Weigh; or Open, Examine again and again; or
+Gauge, Describe, Find alone.
 The end of the pipe means close.
 """
 
@@ -49,6 +50,15 @@ class Weigh(msgspec.Struct, frozen=True, tag=True):
     """Build the structure of a model, a path, and say what memory that takes. Reply: Weighed."""
 
     model: str
+
+
+class Examine(msgspec.Struct, frozen=True, tag=True):
+    """Look for what the contestant does wrong by a rule of its family. Where the worker was when it crashed, or after
+    `patience_s` seconds, it writes into the file `notes`. Reply: Examined."""
+
+    rule: str
+    notes: str
+    patience_s: float
 
 
 class Gauge(msgspec.Struct, frozen=True, tag=True):
@@ -118,6 +128,20 @@ class Gauged(msgspec.Struct, frozen=True, tag=True):
     yardsticks: Yardsticks
 
 
+class Examined(msgspec.Struct, frozen=True, tag=True):
+    """What is wrong, a sentence each; none where the contestant keeps to the rule."""
+
+    faults: list[str]
+
+
+class RuleFacts(msgspec.Struct, frozen=True, kw_only=True):
+    """What there is to know of a rule, see `protocols.Rule`."""
+
+    name: str
+    title: str
+    essential: bool = False
+
+
 class ContestantFacts(msgspec.Struct, frozen=True, kw_only=True):
     """What a plan needs to know of a contestant, see `protocols.Contestant`."""
 
@@ -147,6 +171,7 @@ class Described(msgspec.Struct, frozen=True, tag=True, kw_only=True):
     default_model: str = ""
     size_option: str = "tets"
     skipped: list[str] = []
+    rules: list[RuleFacts] = []
 
 
 class Found(msgspec.Struct, frozen=True, tag=True):
@@ -174,8 +199,8 @@ class Failed(msgspec.Struct, frozen=True, tag=True):
     oom: bool = False
 
 
-Request = Open | Warm | Load | Measure | Weigh | Gauge | Describe | Find
-Reply = Done | Loaded | Measured | Weighed | Gauged | Described | Found | Skipped | Failed
+Request = Open | Warm | Load | Measure | Weigh | Examine | Gauge | Describe | Find
+Reply = Done | Loaded | Measured | Weighed | Examined | Gauged | Described | Found | Skipped | Failed
 
 
 def encode(message: Request | Reply) -> bytes:

@@ -19,11 +19,14 @@ from typing import BinaryIO
 from tetrabench import registry
 from tetrabench.bench.catalogue import Registry
 from tetrabench.bench.clock import Clocks, read_clocks
+from tetrabench.bench.examination import faults_of, noted
 from tetrabench.bench.memory import peak_bytes, private_bytes, reset_peak, trim_heap
 from tetrabench.bench.messages import (
     PROTOCOL,
     Describe,
     Done,
+    Examine,
+    Examined,
     Failed,
     Find,
     Gauge,
@@ -105,6 +108,9 @@ class Worker:
                 return self._measure(request.scenario, request.options, request.repeats)
             case Weigh():
                 return self._weigh(Path(request.model))
+            case Examine():
+                with noted(Path(request.notes), request.patience_s):
+                    return Examined(faults_of(self._family, self._contestant, request.rule))
             case Gauge():
                 return Gauged(measure_yardsticks())
             case Describe():

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from tetrabench.cli.examining import examine_all
 from tetrabench.cli.options import (
     FILE,
     chart_format_option,
@@ -19,6 +20,7 @@ from tetrabench.cli.options import (
     intervals_option,
     plugin_option,
     read_seconds,
+    split_names,
     timeout_option,
     what_options,
 )
@@ -88,15 +90,26 @@ def run(
 
 @click.command()
 @what_options
+@click.option(
+    "--contestant",
+    "contestants",
+    multiple=True,
+    callback=split_names,
+    metavar="A,B",
+    help="Examine backends by the rules of their family instead: in plain Python, with bounds checks, and compiled.",
+)
+@timeout_option
 @format_option
 @click.pass_context
-def check(ctx: click.Context, /, form: str, **choices: Any) -> None:
+def check(ctx: click.Context, /, form: str, contestants: list[str] | None, **choices: Any) -> None:
     """Run scenarios on backends once, and compare their answers. No times.
 
-    Exit code 3 if a backend gives a wrong answer, or ends badly.
+    Exit code 3 if a backend gives a wrong answer, or ends badly; with --contestant, if it breaks a rule.
     """
     from tetrabench.bench import exit_code, run_benchmark
 
+    if contestants is not None:
+        examine_all(ctx, contestants, choices["family"], form, choices["timeout_s"])
     plan = look_up(choices, "check")
     with RunProgress() as progress:
         results = run_benchmark(plan, progress=progress)

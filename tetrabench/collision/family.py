@@ -7,6 +7,7 @@ from typing import Any
 
 import tetrabench.collision.start
 import tetrabench.mesh
+from tetrabench.collision.conformance import RULES
 from tetrabench.collision.contestant import CollisionContestant
 from tetrabench.collision.objects import Start
 from tetrabench.collision.simulation import Simulation
@@ -92,6 +93,7 @@ class CollisionFamily:
     size_option = "objects"
     thesis_order = ("motion", "concentration", "weightless", "gravity")
     kind = OBJECTS
+    rules = RULES
 
     @property
     def models(self) -> Mapping[str, str]:

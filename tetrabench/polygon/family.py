@@ -11,6 +11,7 @@ from tetrabench.io.polygons import check_polygon_source, check_polygon_target, r
 from tetrabench.io.shelf import Shelf
 from tetrabench.mesh.polygon import PolygonMesh
 from tetrabench.mesh.polygon.models import MODELS, add_model, generate_polygons
+from tetrabench.polygon.conformance import RULES
 from tetrabench.polygon.contestant import PolygonContestant
 from tetrabench.polygon.net import PolygonNet
 from tetrabench.protocols import ModelFacts
@@ -103,6 +104,7 @@ class PolygonFamily:
         "gas-cell-adjacency",
     )
     kind = None
+    rules = RULES
 
     @property
     def models(self) -> Mapping[str, str]:

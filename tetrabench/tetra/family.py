@@ -17,6 +17,7 @@ from tetrabench.jit import kernel
 from tetrabench.mesh import TetraMesh
 from tetrabench.mesh.models import MODELS, add_model, generate
 from tetrabench.protocols import ModelFacts
+from tetrabench.tetra.conformance import RULES
 from tetrabench.tetra.contestant import TetraContestant
 from tetrabench.tetra.interface import (
     NONE,
@@ -164,6 +165,7 @@ class TetraFamily:
     size_option = "tets"
     thesis_order = ("init", "delete", "explode", "alfa", "flow", "free")
     kind = None
+    rules = RULES
 
     @property
     def models(self) -> Mapping[str, str]:

@@ -7,7 +7,6 @@ import pytest
 from numba import config
 
 from tests.collision.starts import SLOW, STARTS
-from tests.collision.twin import Twin
 from tests.collision.variants import variant
 from tetrabench import registry
 from tetrabench.backends.collision import STRUCTURES
@@ -18,6 +17,7 @@ from tetrabench.collision.digest import pairs_answer, state_answer
 from tetrabench.collision.objects import Start
 from tetrabench.collision.simulation import Simulation
 from tetrabench.collision.start.files import write_objects
+from tetrabench.collision.twin import Twin
 from tetrabench.errors import UnsupportedError
 from tetrabench.protocols import Answer, Work
 from tetrabench.scenarios.collision import SCENARIOS as ALL

@@ -57,7 +57,7 @@ class Twin:
 
     def _turn(self, found: list[Pair]) -> None:
         """One hit an object, the first in order: v' = 2 v_cm - v for both."""
-        hit = set()
+        hit: set[int] = set()
         for i, j in found:
             if i in hit or j in hit:
                 continue

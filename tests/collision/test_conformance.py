@@ -1,0 +1,32 @@
+"""Our own contestants keep to all rules of the family, and what is wrong with broken ones is found, and said in words."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.collision.broken import FAULTS
+from tests.examined import first_sentences
+from tetrabench.backends.collision import CONTESTANTS
+from tetrabench.collision import interface
+from tetrabench.collision.conformance import RULES, functions
+from tetrabench.jit.generic import _IMPLEMENTATIONS
+
+PLUGIN = Path(__file__).with_name("broken.py")
+HALF = "Broken does not implement update(storage, x, y), stats(storage)"
+
+
+@pytest.mark.parametrize("contestant", CONTESTANTS, ids=lambda contestant: contestant.name)
+def test_ours_keep_to_all_rules(contestant):
+    found = {rule.name: list(rule.faults(contestant)) for rule in RULES}
+    assert any(found.values()) == (not contestant.is_exact), found
+
+
+def test_what_is_broken_is_found_and_named(tmp_path):
+    found = first_sentences("collision", PLUGIN, [*FAULTS, "half"], tmp_path / "notes")
+    assert [name for name in FAULTS if name not in found] == []
+    assert {name: found[name] for name, (*_, named) in FAULTS.items() if named not in found[name]} == {}
+    assert found["half"] == HALF
+
+
+def test_the_list_of_functions_is_that_of_the_interface():
+    assert functions() == [one for one in vars(interface).values() if one in list(_IMPLEMENTATIONS)]
