@@ -31,10 +31,14 @@ from tetrabench.tetra.twin import Corners, Twin, corners_of
 STEPS = 60
 """Edits of the history that every contestant is led through."""
 
-_BY_LISTS = (interface.set_vertex, interface.set_neighbour, interface.take_slot, interface.drop_slot)
+_BY_LISTS = {"set_vertex", "set_neighbour", "take_slot", "drop_slot"}
 """What only `tetrabench.tetra.incidence` calls: a topology of one's own does without."""
 
-_MAY_LACK = (interface.release, *_BY_LISTS)
+_OF_RELEASE = {"hold", "let_go"}
+"""What only storages need that implement `release`."""
+
+_MAY_LACK = {"release", "columns"}
+"""What a storage may do without."""
 
 
 class _Broken(Exception):  # noqa: N818 - a sentence, which ends a rule
@@ -303,11 +307,15 @@ def _axis(function: Callable[..., Any]) -> str:
 
 def missing(net: Net) -> list[str]:
     """The functions that a net's storage lacks, with their parameters."""
-    needed = _MAY_LACK if type(net.incidence) is not Incidence else (interface.release,)
+    may_lack = set(_MAY_LACK)
+    if not isinstance(net.incidence, Incidence):
+        may_lack |= _BY_LISTS
+    if not is_implemented(interface.release, type(net.slots)):
+        may_lack |= _OF_RELEASE
     return [
         f"{one.__name__}({', '.join(_parameters(one))}) of its {_axis(one)}, {type(getattr(net, _axis(one))).__name__}"
         for one in functions()
-        if one not in needed and not is_implemented(one, type(getattr(net, _axis(one))))
+        if one.__name__ not in may_lack and not is_implemented(one, type(getattr(net, _axis(one))))
     ]
 
 
