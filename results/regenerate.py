@@ -10,15 +10,17 @@ from functools import partial
 from pathlib import Path
 
 import collision_tables
+import library
 import polygon_tables
 
 RESULTS = Path(__file__).parent
-README, FINDINGS, HALFFACE, POLYGON, COLLISION = (
+README, FINDINGS, HALFFACE, POLYGON, COLLISION, LIBRARY = (
     RESULTS.parent / "README.md",
     RESULTS / "README.md",
     RESULTS.parent / "docs" / "halfface.md",
     RESULTS.parent / "docs" / "polygon.md",
     RESULTS.parent / "docs" / "collision.md",
+    RESULTS.parent / "docs" / "library.md",
 )
 COLLISIONS = {
     "objects": "--objects 10k,20k,50k,100k,200k --scenario motion --option motion.steps=100 "
@@ -190,6 +192,7 @@ BLOCKS: dict[str, tuple[Path, Callable[[], str]]] = {
     "polygon queries": (POLYGON, partial(made, polygon_tables.queries)),
     "polygon shares": (POLYGON, partial(made, polygon_tables.shares)),
     "polygon peers": (POLYGON, polygon_peers),
+    "library speed": (LIBRARY, partial(made, library.table)),
 } | {
     f"table {name}": (README if name == "nozzle-120k-quick" else FINDINGS, partial(table, name))
     for name in RUNS
