@@ -45,20 +45,34 @@ _HOMES = {
 __version__: str
 
 
-def open(path_or_mesh: "TetraMesh | str | os.PathLike[str]", backend: str = "v3y") -> "TetraNet":
+def open(
+    path_or_mesh: "TetraMesh | str | os.PathLike[str]", backend: str = "v3y", *, states: bool = True
+) -> "TetraNet":
     """Open a file, or a mesh, as a net in the storage of a backend.
+
+    Args:
+        path_or_mesh: a file in any format, by its suffix; or points and tetras.
+        backend: the contestant that stores it.
+        states: whether the states are taken that the file holds, `state_0` to `state_4` as `TetraNet.write` keeps them: it
+            is read once more for them. Else, and where it holds none, they are 0.
 
     Raises:
         InputError: no such backend or file, or a mesh that no net can hold.
+        MemoryRefusedError: there is not enough memory for it.
     """
     from tetrabench import registry
     from tetrabench.io import read_mesh
+    from tetrabench.io.values import read_values
     from tetrabench.mesh import TetraMesh
     from tetrabench.tetra.net import TetraNet
 
     contestant: Any = registry.contestant("tetra", backend)
-    mesh = path_or_mesh if isinstance(path_or_mesh, TetraMesh) else read_mesh(path_or_mesh)
-    return TetraNet(mesh, contestant)
+    if isinstance(path_or_mesh, TetraMesh):
+        return TetraNet(path_or_mesh, contestant)
+    net = TetraNet(read_mesh(path_or_mesh), contestant)
+    if states:
+        net.take_states(read_values(path_or_mesh))
+    return net
 
 
 def __getattr__(name: str) -> Any:

@@ -1,5 +1,7 @@
 """Random edits on all contestants and the oracle, side by side; every structure is audited after every step."""
 
+import contextlib
+
 import numpy as np
 import pytest
 from hypothesis import strategies as st
@@ -91,6 +93,54 @@ class AllTogether(RuleBasedStateMachine):
                 for child in children:
                     self.refs[name][child] = by_vertices[self.oracle.tetras[child]]
         self.find_anew()
+
+    @rule(numbers=st.lists(PICK, max_size=4))
+    def delete_many(self, numbers):
+        chosen = list(dict.fromkeys(t for t in map(self.pick, numbers) if t is not None))
+        for t in chosen:
+            self.gone.append(self.oracle.tetras[t])
+            self.oracle.delete(t)
+        for name, net in self.nets.items():
+            net.delete_many([self.refs[name].pop(t) for t in chosen])
+
+    @rule(numbers=st.lists(PICK, min_size=1, max_size=4))
+    def insert_many(self, numbers):
+        rows = [self.gone[number % len(self.gone)] for number in numbers if self.gone]
+        born = []
+        for vertices in rows:
+            if not self.oracle.can_insert(vertices):
+                for t in born:
+                    self.oracle.delete(t)
+                for net in self.nets.values():
+                    with pytest.raises(InputError, match="cannot insert the tetra"):
+                        net.insert_many(rows)
+                self.find_anew()
+                return
+            born.append(self.oracle.insert(vertices))
+        for name, net in self.nets.items():
+            self.refs[name].update(zip(born, net.insert_many(rows).tolist(), strict=True))
+        self.find_anew()
+
+    @rule(number=PICK, point=st.tuples(COORDINATE, COORDINATE, COORDINATE))
+    def change_in_vain(self, number, point):
+        """An edit that fails: refs, order and all else are what they were."""
+        t = self.pick(number)
+        if t is None:
+            return
+        for name, net in self.nets.items():
+            before = (net.refs.tolist(), net.vertices.tolist(), net.states.tolist(), net.points.tolist())
+            with pytest.raises(InputError, match="there is no tetra -1"), net.edit():  # noqa: PT012
+                vertices = net.vertices_of(self.refs[name][t])
+                net.insert_point(*point)
+                net.split([self.refs[name][t]])
+                net.delete_many(net.refs[: len(net) // 2])
+                net.states = net.states + 1.0
+                if vertices not in {tuple(row) for row in net.vertices.tolist()}:
+                    with contextlib.suppress(InputError):
+                        net.insert(*vertices)
+                net.delete(-1)
+            after = (net.refs.tolist(), net.vertices.tolist(), net.states.tolist(), net.points.tolist())
+            assert after == before
 
     @rule()
     def collect(self):

@@ -86,8 +86,8 @@ def check_target(path: str | os.PathLike[str], field: str | None = None, *, has_
     check_field(path, field)
     if suffix not in NASTRAN and not BY_SUFFIX[suffix].writes:
         raise InputError(f"{path}: {BY_SUFFIX[suffix].title} files hold surfaces, no tetras")
-    if has_values and (suffix in NASTRAN or not BY_SUFFIX[suffix].keeps_ids):
-        able = " ".join(suffix for suffix, form in BY_SUFFIX.items() if form.keeps_ids)
+    if has_values and (suffix in NASTRAN or not BY_SUFFIX[suffix].keeps_values):
+        able = " ".join(suffix for suffix, form in BY_SUFFIX.items() if form.keeps_values)
         raise InputError(f"{path}: no values of tetras are kept in this format; they are in {able}")
     return suffix
 

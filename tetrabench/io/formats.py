@@ -63,7 +63,8 @@ class Format:
         room: bytes of memory that reading takes at its peak, for each byte of the files; measured, rounded up.
         writes: whether it can hold tetras.
         options: for meshio's writer.
-        keeps_ids: whether it can hold arrays of numbers for points and cells.
+        keeps_ids: whether it can hold arrays of whole numbers for points and cells.
+        keeps_values: whether it can hold numbers of tetras by name.
         doubt: says from the text of the file, and the number of cells that meshio found, why the mesh may be less than
             the file's; "" where it is not.
         last_line: what the last line of a file that is surely whole begins with; any other is worth a warning.
@@ -77,6 +78,7 @@ class Format:
     writes: bool = True
     options: Mapping[str, Any] = field(default_factory=dict)
     keeps_ids: bool = False
+    keeps_values: bool = False
     doubt: Callable[[mmap.mmap, Counter[str]], str] = lambda text, cells: ""
     last_line: bytes = b""
     prepare: Callable[[Path], Any] = lambda path: path
@@ -182,20 +184,18 @@ def write_foreign(mesh: TetraMesh, path: str | os.PathLike[str], values: Values 
     Args:
         mesh: what to write.
         path: the file.
-        values: of the tetras, by name, (m,) float64 each, where the format keeps ids: `read_values` reads them.
+        values: of the tetras, by name, (m,) float64 each, where the format keeps any: `read_values` reads them.
 
     Raises:
         InputError: meshio or the system cannot write the file.
     """
     target = Path(path)
     form = BY_SUFFIX[target.suffix.lower()]
-    data = {}
-    if form.keeps_ids:
-        cells = {TETRA_ID: mesh.tet_ids, **(values or {})}
-        data = {
-            "point_data": {POINT_ID: mesh.point_ids},
-            "cell_data": {name: [numbers] for name, numbers in cells.items()},
-        }
+    ids = {TETRA_ID: mesh.tet_ids} if form.keeps_ids else {}
+    data = {
+        "point_data": {POINT_ID: mesh.point_ids} if form.keeps_ids else {},
+        "cell_data": {name: [numbers] for name, numbers in {**ids, **(values or {})}.items()},
+    }
     with contextlib.ExitStack() as stack:
         try:
             draft = stack.enter_context(tempfile.TemporaryDirectory(dir=target.absolute().parent, prefix=".writing-"))
@@ -387,12 +387,14 @@ def prepare_obj(path: Path) -> io.StringIO:
 
 
 FORMATS = (
-    Format("gmsh", "Gmsh", (".msh",), room=7),
-    Format("vtk", "VTK", (".vtk",), room=6, keeps_ids=True, doubt=doubt_vtk),
-    Format("vtu", "VTK XML", (".vtu",), room=15, keeps_ids=True),
+    Format("gmsh", "Gmsh", (".msh",), room=7, keeps_values=True),
+    Format("vtk", "VTK", (".vtk",), room=6, keeps_ids=True, keeps_values=True, doubt=doubt_vtk),
+    Format("vtu", "VTK XML", (".vtu",), room=15, keeps_ids=True, keeps_values=True),
     Format("medit", "Medit", (".mesh", ".meshb"), room=5),
     Format("abaqus", "Abaqus", (".inp",), room=10, doubt=doubt_abaqus, last_line=b"*"),
-    Format("xdmf", "XDMF", (".xdmf", ".xmf"), room=12, options={"data_format": "XML"}, keeps_ids=True),
+    Format(
+        "xdmf", "XDMF", (".xdmf", ".xmf"), room=12, options={"data_format": "XML"}, keeps_ids=True, keeps_values=True
+    ),
     Format("su2", "SU2", (".su2",), room=14, doubt=doubt_su2),
     Format("tetgen", "TetGen", (".ele", ".node"), room=4, doubt=doubt_last_line),
     Format("h5m", "MOAB", (".h5m",), room=12),

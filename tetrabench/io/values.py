@@ -24,7 +24,7 @@ def read_values(path: str | os.PathLike[str]) -> dict[str, NDArray[np.float64]]:
         InputError: meshio cannot read the file.
     """
     form = BY_SUFFIX.get(Path(path).suffix.lower())
-    if form is None or not form.keeps_ids:
+    if form is None or not form.keeps_values:
         return {}
     files = [Path(path), *(file for file in partners(Path(path)) if file.is_file())]
     refuse_if_too_large(f"reading {path}", form.room * sum(map(size_of, files)))
@@ -37,6 +37,7 @@ def read_values(path: str | os.PathLike[str]) -> dict[str, NDArray[np.float64]]:
         values = {}
         for name, blocks in raw.cell_data.items():
             numbers = np.concatenate([blocks[number] for number in tetras]) if tetras else np.empty(0)
-            if name != TETRA_ID and numbers.shape == (count,) and numbers.dtype.kind in "iuf":
+            is_value = name != TETRA_ID and not name.startswith("gmsh:")  # those are numbers of its groups
+            if is_value and numbers.shape == (count,) and numbers.dtype.kind in "iuf":
                 values[name] = numbers.astype(np.float64)
     return values

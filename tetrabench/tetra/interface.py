@@ -3,8 +3,8 @@
 Three axes. The **layout** says where the fields of a tetra live; the **slot policy** says how free slots are found, skipped
 and filled; the **incidence** says which tetras are around a point, and so how a tetra comes into the net and out of it.
 Each is a NamedTuple of arrays, held in the net's fields `layout`, `slots` and `incidence`, with an implementation of the
-functions below (`tetrabench.jit.implements`). All of them work in numba kernels and in plain Python, but for the last
-three, which are plain Python. Most contestants take the lists of `tetrabench.tetra.incidence`, and choose on two axes.
+functions below (`tetrabench.jit.implements`). All of them work in numba kernels and in plain Python, but for those that
+say that they are plain Python. Most contestants take the lists of `tetrabench.tetra.incidence`, and choose on two axes.
 
 Words: `t` is the ref of a tetra, an int64: an index in array layouts, an address in linked ones; NONE where there is no
 tetra. Side `i` is the face opposite vertex `i`. `k` counts coordinates (0..2) or states (0..4).
@@ -122,6 +122,12 @@ def set_state(net: Net, t: int, k: int, value: float) -> None:
 
 
 @generic(on="layout")
+def columns(net: Net) -> Any:
+    """The fields of all slots as arrays, by name ("vertex", "volume", ...): dict of (capacity, ...), views indexed by ref.
+    Only layouts that have such arrays need implement it. Plain Python."""
+
+
+@generic(on="layout")
 def grown_layout(net: Net, capacity: int) -> Any:
     """A layout of the same type with at least `capacity` slots and the same content, as growth asks for one."""
 
@@ -182,6 +188,18 @@ def grown_slots(net: Net, capacity: int) -> Any:
 @generic(on="slots")
 def release(net: Net) -> None:
     """Give back what Python cannot see, such as nodes on the C heap. Only storages that hold such need implement it."""
+
+
+@generic(on="slots")
+def hold(net: Net) -> Any:
+    """Give nothing back from now on that Python cannot see, and return the content of it, for `let_go`. Only storages that
+    implement `release` need implement this and the next. Plain Python."""
+
+
+@generic(on="slots")
+def let_go(net: Net, held: Any, undo: bool) -> None:
+    """Give back what is no longer wanted: what was held back; or, to undo what was done since, what came since, and then
+    put the content that `hold` returned into its places. Plain Python."""
 
 
 @generic(on="slots")

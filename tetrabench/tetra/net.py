@@ -3,14 +3,16 @@
 import operator
 import os
 import weakref
-from collections.abc import Callable, Iterator
-from typing import Any, Self
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any, Self, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tetrabench.errors import InputError
-from tetrabench.io import write_mesh
+from tetrabench.io import check_target, write_mesh
+from tetrabench.io.formats import BY_SUFFIX
 from tetrabench.jit import kernel
 from tetrabench.jit.generic import is_implemented
 from tetrabench.memory import refuse_if_too_large
@@ -18,7 +20,8 @@ from tetrabench.mesh import TetraMesh
 from tetrabench.mesh.check import check_mesh
 from tetrabench.mesh.incidence import vertex_tetras
 from tetrabench.protocols import Answer
-from tetrabench.tetra import audit, digest, edit, interface, memory
+from tetrabench.tetra import audit, digest, edit, interface, memory, transaction
+from tetrabench.tetra.by_ref import ByRef
 from tetrabench.tetra.contestant import TetraContestant
 from tetrabench.tetra.deform import deform
 from tetrabench.tetra.interface import NONE, Net
@@ -50,13 +53,18 @@ class TetraNet:
         self._adopt(contestant.build(mesh))
 
     def _adopt(self, storage: Net) -> None:
-        self._grid: tuple[int, Grid] | None = None
-        self._live: tuple[int, set[int]] | None = None
+        self._forget()
+        self._is_edited = False  # inside `edit`
         # What Python cannot see (V4's nodes) goes when the last owner goes. Growth keeps the nodes and changes the
         # counters that lead to them, so the finalizer follows the box, not the storage of today.
         self._box = [storage]
         self._finalizer = weakref.finalize(self, _release, self._box)
         self._finalizer.atexit = False  # a process that ends gives everything back
+
+    def _forget(self) -> None:
+        """Forget all that was derived from the storage."""
+        self._grid: tuple[int, Grid] | None = None
+        self._live: tuple[int, set[int]] | None = None
 
     @property
     def storage(self) -> Net:
@@ -74,10 +82,15 @@ class TetraNet:
         self._box[0] = storage
 
     def close(self) -> None:
-        """Give the memory back now; the net is unusable afterwards. May come twice."""
+        """Give the memory back now; the net is unusable afterwards. May come twice.
+
+        Raises:
+            InputError: inside `edit`.
+        """
+        if self._is_edited:
+            raise InputError("this net cannot be closed inside of an edit: what would it go back to?")
         self._finalizer()
-        self._grid = None
-        self._live = None
+        self._forget()
 
     @property
     def is_open(self) -> bool:
@@ -215,6 +228,14 @@ class TetraNet:
             raise InputError(f"these states must have the shape {shape}, not {values.shape}")
         return values
 
+    @property
+    def by_ref(self) -> ByRef:
+        """The fields as they lie in memory, numpy arrays indexed by ref, without a copy: `net.by_ref.volumes[t]`.
+
+        Not every contestant has them: see `ByRef`.
+        """
+        return ByRef(self.storage, self.contestant.name)
+
     # ------------------------------------------------------------------ one tetra
 
     # What the properties above say of all tetras, of one: InputError where there is no such tetra.
@@ -317,6 +338,88 @@ class TetraNet:
 
     # ------------------------------------------------------------------ changes
 
+    @contextmanager
+    def edit(self) -> Iterator[Self]:
+        """Changes that happen all or not at all: `with net.edit(): ...`
+
+        An exception that leaves the block takes the net back to where it was when it began, bit for bit: tetras, points,
+        states, refs, the order of iteration; it is then raised again. Everything is undone, by whomever it was done, a
+        kernel of yours on `net.storage` too. A copy of the net is taken first: that costs as long, and as much memory, as
+        `copy`.
+
+        Raises:
+            InputError: inside of another edit of the same net.
+            MemoryRefusedError: there is no room for a copy.
+        """
+        if self._is_edited:
+            raise InputError("this net is being edited: an edit inside of another could not be undone alone")
+        snapshot = transaction.take(self.storage)
+        self._is_edited = True
+        try:
+            yield self
+        except BaseException:
+            self.storage = transaction.restore(self.storage, snapshot)
+            self._forget()  # edits are counted from where they were
+            raise
+        else:
+            transaction.drop(self.storage, snapshot)
+        finally:
+            self._is_edited = False
+
+    def insert_points(self, points: ArrayLike) -> NDArray[np.int32]:
+        """The refs, (m,) int32, of points (m, 3): those there within 1e-9 of the net's diagonal, or new ones, in this order.
+
+        Raises:
+            InputError: another shape, or a coordinate that is not finite; the net is then as it was.
+        """
+        rows = np.require(points, np.float64, ["C", "W", "O"])
+        if rows.ndim != 2 or rows.shape[1] != 3 or not np.isfinite(rows).all():
+            raise InputError(f"points are finite numbers of the shape (m, 3); these are {rows.shape}")
+        self.storage = edit.reserve(self.storage, 0, len(rows))
+        refs: NDArray[np.int32] = _insert_points(self.storage, rows, make_stack())
+        return refs
+
+    def insert_many(self, tets: ArrayLike) -> NDArray[np.int64]:
+        """Insert tetras, (m, 4) point refs, and return their refs, (m,) int64; states are 0.
+
+        Raises:
+            InputError: what `insert` says of one of them; none is inserted then.
+        """
+        rows = _all_whole(tets, 4)
+        refs, reason = self._insert_all(rows)
+        if reason in interface.IN_THE_WAY and self.collect():  # what was deleted may have been in the way
+            refs, reason = self._insert_all(rows)
+        if reason:
+            refused = tuple(rows[np.flatnonzero(refs == NONE)[0]].tolist())
+            raise InputError(f"cannot insert the tetra {refused}: {reason}")
+        return refs
+
+    def _insert_all(self, rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], str]:
+        """The refs of the tetras, "" if all could be inserted; else none is, and NONE and the reason begin at the first one
+        that could not be."""
+        self.storage = edit.reserve(self.storage, len(rows), 0)
+        self._live = None
+        refs, reason = np.full(len(rows), NONE), ""
+        try:
+            _insert_many(self.storage, rows, refs)
+        except BaseException as error:
+            _delete_many(self.storage, refs[refs != NONE][::-1].copy())
+            if not isinstance(error, ValueError):
+                raise
+            reason = str(error)
+        return refs, reason
+
+    def delete_many(self, refs: ArrayLike) -> None:
+        """Delete tetras; their points stay.
+
+        Raises:
+            InputError: refs of another shape than (n,), one that is no tetra of the net, or that comes twice. The net is
+                then as it was.
+        """
+        refs = self._distinct(refs, "a tetra can be deleted only once")
+        self._live = None
+        _delete_many(self.storage, refs)
+
     def insert_point(self, x: float, y: float, z: float) -> int:
         """The ref of the point there: an existing one, within 1e-9 of the net's diagonal, or a new one."""
         if not np.isfinite([x, y, z]).all():
@@ -370,14 +473,20 @@ class TetraNet:
             InputError: refs of another shape than (n,), one that is no tetra of the net, or that comes twice. The net is
                 then as it was.
         """
-        refs = _all_whole(refs)
-        strange = refs[~np.isin(refs, self.refs)]
+        self.storage, skipped = interface.split_many(
+            self.storage, self._distinct(refs, "a tetra can be split only once")
+        )
+        return int(skipped)
+
+    def _distinct(self, refs: ArrayLike, rule: str) -> NDArray[np.int64]:
+        """What was given as refs: tetras of the net, each once, or InputError."""
+        given = _all_whole(refs)
+        strange = given[~np.isin(given, self.refs)]
         if len(strange):
             raise InputError(f"there is no tetra {strange[0]}")
-        if len(np.unique(refs)) < len(refs):
-            raise InputError("a tetra can be split only once: a ref comes twice")
-        self.storage, skipped = interface.split_many(self.storage, refs)
-        return int(skipped)
+        if len(np.unique(given)) < len(given):
+            raise InputError(f"{rule}: a ref comes twice")
+        return given
 
     def collect(self) -> bool:
         """Finish what deletions have left, where a contestant lets them wait (the half-face kernel does).
@@ -400,19 +509,56 @@ class TetraNet:
         tets, points = self.vertices, np.array(self.points)
         return TetraMesh(points, tets, np.arange(1, len(points) + 1), np.arange(1, len(tets) + 1))
 
-    def write(self, path: str | os.PathLike[str]) -> None:
-        """Write the live tetras and all points, without states, in the format of the suffix: see `write_mesh`.
+    def write(self, path: str | os.PathLike[str], *, states: bool | None = None, field: str | None = None) -> None:
+        """Write the live tetras and all points in the format of the suffix: see `write_mesh`.
+
+        Args:
+            path: the file; one that exists is replaced.
+            states: whether the states are kept, as values `state_0` to `state_4`, from which `tetrabench.open` takes them
+                again. None: where the format keeps any: .msh, .vtk, .vtu and .xdmf do, Nastran and the others do not.
+            field: the form of Nastran's fields; "free" keeps every bit of a coordinate.
 
         Raises:
-            InputError: an unknown suffix, or what the writer of the format refuses.
+            InputError: an unknown suffix, states that the format does not keep, or what its writer refuses.
         """
-        write_mesh(self.to_mesh(), path)
+        suffix = check_target(path, field, has_values=bool(states))
+        if states is None:
+            states = suffix in BY_SUFFIX and BY_SUFFIX[suffix].keeps_values
+        values = {f"state_{place}": column for place, column in enumerate(self.states.T.copy())} if states else None
+        write_mesh(self.to_mesh(), path, field=field, values=values)
+
+    def take_states(self, values: Mapping[str, NDArray[np.float64]]) -> bool:
+        """Set the states from values of the tetras by name, as `read_values` reads what `write` has kept.
+
+        Args:
+            values: name -> (n,) float64, in iteration order.
+
+        Returns:
+            Whether they are all there; else the states stay as they are.
+        """
+        names = [f"state_{place}" for place in range(interface.STATES)]
+        if not set(names) <= set(values):
+            return False
+        self.states = np.stack([values[name] for name in names], axis=1)
+        return True
+
+    def convert(self, contestant: TetraContestant | str) -> "TetraNet":
+        """An independent net with the same points, tetras and states, in the storage of another contestant, "v5" say.
+
+        Raises:
+            InputError: there is no contestant of that name.
+        """
+        if isinstance(contestant, str):
+            from tetrabench import registry  # by name alone are they found
+
+            contestant = cast(TetraContestant, registry.contestant("tetra", contestant))
+        twin = TetraNet(self.to_mesh(), contestant)
+        twin.states = self.states
+        return twin
 
     def copy(self) -> "TetraNet":
         """An independent net with the same points, tetras (without the holes between them) and states."""
-        twin = TetraNet(self.to_mesh(), self.contestant)
-        twin.states = self.states
-        return twin
+        return self.convert(self.contestant)
 
     __copy__ = copy
 
@@ -443,14 +589,19 @@ def _whole(ref: object) -> int:
     return number
 
 
-def _all_whole(refs: ArrayLike) -> NDArray[np.int64]:
-    """What was given as refs: an array (n,) that a kernel may take, or InputError."""
+def _all_whole(refs: ArrayLike, columns: int | None = None) -> NDArray[np.int64]:
+    """What was given as refs: an array (n,), or (n, columns), that a kernel may take, or InputError."""
+    shape = "(n,)" if columns is None else f"(n, {columns})"
     try:
         given = np.asarray(refs)
     except ValueError:  # rows of different lengths
-        raise InputError("refs are whole numbers of the shape (n,)") from None
-    if given.ndim != 1 or (given.dtype.kind not in "iu" and given.size):
-        raise InputError(f"refs are whole numbers of the shape (n,), not {given.dtype} {given.shape}")
+        raise InputError(f"refs are whole numbers of the shape {shape}") from None
+    if columns is not None and not given.size:
+        given = np.empty((0, columns), np.int64)
+    if given.shape[1:] != (() if columns is None else (columns,)) or given.ndim == 0:
+        raise InputError(f"refs are whole numbers of the shape {shape}, not {given.dtype} {given.shape}")
+    if given.dtype.kind not in "iu" and given.size:
+        raise InputError(f"refs are whole numbers of the shape {shape}, not {given.dtype} {given.shape}")
     return np.require(given, np.int64, ["C", "W", "O"])
 
 
@@ -463,6 +614,27 @@ def _release(box: list[Net]) -> None:
 @kernel
 def _release_storage(net: Net) -> None:
     interface.release(net)
+
+
+@kernel
+def _insert_points(net: Net, points: Any, stack: Any) -> Any:
+    refs = np.empty(len(points), np.int32)
+    for n in range(len(points)):
+        refs[n] = edit.insert_point(net, points[n, 0], points[n, 1], points[n, 2], stack)
+    return refs
+
+
+@kernel(allocates=False)
+def _insert_many(net: Net, tets: Any, refs: Any) -> None:
+    """Insert all tetras; where one is refused, `refs` tells how far that went."""
+    for n in range(len(tets)):
+        refs[n] = interface.insert_tetra(net, tets[n, 0], tets[n, 1], tets[n, 2], tets[n, 3])
+
+
+@kernel(allocates=False)
+def _delete_many(net: Net, refs: Any) -> None:
+    for n in range(len(refs)):
+        interface.delete_tetra(net, refs[n])
 
 
 @kernel

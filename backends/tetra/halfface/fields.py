@@ -66,6 +66,11 @@ def grown_layout(net, capacity):
     )
 
 
+@implements(interface.columns, TetraFields)
+def columns(net):
+    return net.layout._asdict()
+
+
 @implements(interface.capacity, TetraFields)
 def capacity(net):
     return len(net.layout.volume) - net.incidence.counters[FLAGGED]

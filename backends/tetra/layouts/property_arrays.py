@@ -61,6 +61,11 @@ def grown_layout(net, capacity):
     )
 
 
+@implements(interface.columns, PropertyArrays)
+def columns(net):
+    return net.layout._asdict()
+
+
 @implements(interface.capacity, PropertyArrays)
 def capacity(net):
     return len(net.layout.volume)

@@ -47,6 +47,11 @@ def grown_layout(net, capacity):
     return Records(grown(net.layout.records, capacity))
 
 
+@implements(interface.columns, Records)
+def columns(net):
+    return {name: net.layout.records[name] for name in RECORD.names}
+
+
 @implements(interface.capacity, Records)
 def capacity(net):
     return len(net.layout.records)

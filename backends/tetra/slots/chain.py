@@ -9,13 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetrabench.backends.tetra.layouts.linked_nodes import NEXT, PREVIOUS, LinkedNodes
-from tetrabench.jit import heap, implements
+from tetrabench.jit import heap, implements, kernel
 from tetrabench.jit.heap import load, store
 from tetrabench.tetra import interface
 from tetrabench.tetra.interface import NONE, Cursor
 from tetrabench.tetra.memory import buffers
 
-LIVE, HEAD, TAIL = 0, 1, 2  # places in the counters
+LIVE, HEAD, TAIL, HELD = 0, 1, 2, 3  # places in the counters
+
+AT_ONCE = 0
+"""HELD where nodes are given back as soon as their tetra is deleted; no node has that address."""
 
 HEADER = 8
 """What the allocator (glibc) keeps beside each allocation, in bytes, beyond what it calls usable."""
@@ -25,7 +28,8 @@ class Chain(NamedTuple):
     """The ends of the list.
 
     Attributes:
-        counters: (3,) int64: LIVE tetras; addresses of HEAD and TAIL, NONE in an empty net.
+        counters: (4,) int64: LIVE tetras; addresses of HEAD and TAIL, NONE in an empty net; HELD: AT_ONCE, or the address of
+            the node that was held back last, each linked to the one before it, NONE at the end.
     """
 
     counters: NDArray[np.int64]
@@ -33,7 +37,7 @@ class Chain(NamedTuple):
 
 def make_chain(capacity: int) -> Chain:
     """An empty list; it needs no capacity."""
-    return Chain(np.array([0, NONE, NONE], np.int64))
+    return Chain(np.array([0, NONE, NONE, AT_ONCE], np.int64))
 
 
 @implements(interface.grown_slots, Chain)
@@ -101,19 +105,92 @@ def drop_slot(net, t):
         counters[TAIL] = previous
     else:
         store(np.int64, following + PREVIOUS, previous)
-    heap.release(t)
+    if counters[HELD] == AT_ONCE:
+        heap.release(t)
+    else:
+        store(np.int64, t + NEXT, counters[HELD])
+        counters[HELD] = t
     counters[LIVE] -= 1
 
 
 @implements(interface.release, Chain)
 def release(net):
     counters = net.slots.counters
-    t = counters[HEAD]
+    for first in (counters[HEAD], counters[HELD]):
+        t = first
+        while t != NONE and t != AT_ONCE:
+            following = load(np.int64, t + NEXT)
+            heap.release(t)
+            t = following
+    counters[LIVE], counters[HEAD], counters[TAIL], counters[HELD] = 0, NONE, NONE, AT_ONCE
+
+
+class HeldNodes(NamedTuple):
+    """The nodes of a net, as they were.
+
+    Attributes:
+        refs: (n,) int64, their addresses.
+        words: (n, 33) int64, their content.
+    """
+
+    refs: NDArray[np.int64]
+    words: NDArray[np.int64]
+
+
+@implements(interface.hold, Chain)
+def hold(net):
+    refs = interface.tetra_refs(net)
+    words = np.empty((len(refs), net.layout.node_bytes // 8), np.int64)
+    _read_nodes(refs, words)
+    net.slots.counters[HELD] = NONE
+    return HeldNodes(refs, words)
+
+
+@implements(interface.let_go, Chain)
+def let_go(net, held, undo):
+    counters = net.slots.counters
+    useless = _nodes_from(counters[HELD])
+    if undo:
+        useless = np.setdiff1d(np.concatenate([useless, _nodes_from(counters[HEAD])]), held.refs)
+    _release_nodes(useless)
+    if undo:
+        _write_nodes(held.refs, held.words)
+    counters[HELD] = AT_ONCE
+
+
+@kernel
+def _nodes_from(first):
+    """Addresses of the nodes of a list, (n,) int64."""
+    count, t = 0, first
     while t != NONE:
-        following = load(np.int64, t + NEXT)
+        count += 1
+        t = load(np.int64, t + NEXT)
+    refs = np.empty(count, np.int64)
+    t = first
+    for n in range(count):
+        refs[n] = t
+        t = load(np.int64, t + NEXT)
+    return refs
+
+
+@kernel
+def _release_nodes(refs):
+    for t in refs:
         heap.release(t)
-        t = following
-    counters[LIVE], counters[HEAD], counters[TAIL] = 0, NONE, NONE
+
+
+@kernel
+def _read_nodes(refs, words):
+    for n in range(len(refs)):
+        for k in range(words.shape[1]):
+            words[n, k] = load(np.int64, refs[n] + 8 * k)
+
+
+@kernel
+def _write_nodes(refs, words):
+    for n in range(len(refs)):
+        for k in range(words.shape[1]):
+            store(np.int64, refs[n] + 8 * k, words[n, k])
 
 
 @implements(interface.slot_faults, Chain)
