@@ -54,7 +54,8 @@ def test_keys_of_the_json_are_those_documented(tmp_path: Path) -> None:
     assert (result.exit_code, result.stderr) == (0, "")
     told = json.loads(result.stdout)
     assert list(told) == [field.name for field in fields(Inspection)]
-    assert all(f"        {name}: " in (Inspection.__doc__ or "") for name in told)
+    documented = {line.partition(":")[0].strip() for line in (Inspection.__doc__ or "").splitlines()}
+    assert set(told) <= documented  # Python 3.13 takes the indentation away
     assert (told["tetras"], told["points"], told["surface_sides"]) == (48, 27, 48)
     assert told["volume"] == pytest.approx(1)
     assert (told["dropped"], told["refusal"]) == ({}, "")

@@ -57,6 +57,21 @@ def test_every_file_is_in_the_wheel(shipped):
     assert licences
 
 
+def test_every_package_is_named():
+    """One that is not is shipped all the same, as data of the package around it: setuptools means to end that."""
+    named = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"]
+    folders = {
+        file.parent.relative_to(ROOT)
+        for top in ("tetrabench", "backends", "scenarios")
+        for file in (ROOT / top).rglob("*.py")
+    }
+    there = {
+        ".".join(folder.parts if folder.parts[0] == "tetrabench" else ("tetrabench", *folder.parts))
+        for folder in folders
+    }
+    assert sorted(named) == sorted(there)
+
+
 def test_twine_finds_no_fault(shipped):
     _, *files = shipped
     done = run_program([sys.executable, "-m", "twine", "check", "--strict", *files], ROOT)
