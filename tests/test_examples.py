@@ -140,6 +140,29 @@ def test_all_backends_adapt_alike(backend):
     assert np.allclose(first, second, rtol=0, atol=1e-12)
 
 
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_a_round_that_fails_leaves_the_net_as_it_was(backend, monkeypatch):
+    with box(48, backend) as net:
+        adaptive.fit(net)
+        adaptive.mark(net.storage)  # a round begins with it, and it is no edit
+        before = net.refs, net.vertices, net.states
+        halve, calls = adaptive.halve, []
+
+        def fail_later(net, a, b):
+            if calls:
+                raise RuntimeError("broken on purpose")
+            calls.append(len(net))
+            halve(net, a, b)
+
+        monkeypatch.setattr(adaptive, "halve", fail_later)
+        with pytest.raises(RuntimeError, match="on purpose"):
+            adaptive.adapt(net)
+        assert calls == [len(before[0])]
+        for array, was in zip((net.refs, net.vertices, net.states), before, strict=True):
+            assert np.array_equal(array, was)
+        assert net.check() == []
+
+
 @COMPILED
 def test_adaptation_beats_a_uniform_net_of_as_many_tetras():
     net = box(750, "v3y")

@@ -96,8 +96,10 @@ def halve(net, a, b):
 def adapt(net):
     """A round: refine where the front is, and fit anew. Returns by how much the sum of a V changed in between."""
     before = np.dot(net.states[:, 0], net.volumes)
-    for a, b in steep_edges(net):
-        halve(net, a, b)
+    edges = steep_edges(net)
+    with net.edit():  # all of them or none
+        for a, b in edges:
+            halve(net, a, b)
     lost = np.dot(net.states[:, 0], net.volumes) - before
     fit(net)
     return float(lost)
