@@ -10,36 +10,74 @@ if TYPE_CHECKING:
     import os
 
     from tetrabench.bench import load_results, load_summary, run
+    from tetrabench.bench.conformance import check_contestant
+    from tetrabench.collision.simulation import Simulation
+    from tetrabench.collision.start.files import read_objects, write_objects
+    from tetrabench.collision.start.models import generate_objects
+    from tetrabench.errors import InputError, PluginWarning, TetrabenchError
     from tetrabench.io import read_mesh, write_mesh
+    from tetrabench.io.polygons import read_polygons, write_polygons
     from tetrabench.jit import kernel
     from tetrabench.mesh import TetraMesh
     from tetrabench.mesh.models import generate
+    from tetrabench.mesh.polygon import PolygonMesh
+    from tetrabench.mesh.polygon.models import generate_polygons
+    from tetrabench.polygon.net import PolygonNet
+    from tetrabench.registry import contestant
     from tetrabench.tetra.net import TetraNet
 
 __all__ = [
+    "InputError",
+    "PluginWarning",
+    "PolygonMesh",
+    "PolygonNet",
+    "Simulation",
     "TetraMesh",
     "TetraNet",
+    "TetrabenchError",
     "__version__",
+    "check_contestant",
+    "contestant",
     "generate",
+    "generate_objects",
+    "generate_polygons",
     "kernel",
     "load_results",
     "load_summary",
     "open",
     "read_mesh",
+    "read_objects",
+    "read_polygons",
     "run",
     "write_mesh",
+    "write_objects",
+    "write_polygons",
 ]
 
 _HOMES = {
+    "InputError": "tetrabench.errors",
+    "PluginWarning": "tetrabench.errors",
+    "PolygonMesh": "tetrabench.mesh.polygon",
+    "PolygonNet": "tetrabench.polygon.net",
+    "Simulation": "tetrabench.collision.simulation",
     "TetraMesh": "tetrabench.mesh",
     "TetraNet": "tetrabench.tetra.net",
+    "TetrabenchError": "tetrabench.errors",
+    "check_contestant": "tetrabench.bench.conformance",
+    "contestant": "tetrabench.registry",
     "generate": "tetrabench.mesh.models",
+    "generate_objects": "tetrabench.collision.start.models",
+    "generate_polygons": "tetrabench.mesh.polygon.models",
     "kernel": "tetrabench.jit",
     "load_results": "tetrabench.bench",
     "load_summary": "tetrabench.bench",
     "read_mesh": "tetrabench.io",
+    "read_objects": "tetrabench.collision.start.files",
+    "read_polygons": "tetrabench.io.polygons",
     "run": "tetrabench.bench",
     "write_mesh": "tetrabench.io",
+    "write_objects": "tetrabench.collision.start.files",
+    "write_polygons": "tetrabench.io.polygons",
 }
 
 __version__: str
