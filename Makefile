@@ -10,7 +10,7 @@ BASE ?= $(shell git rev-parse --quiet --verify origin/main >/dev/null && echo or
 GATE = --model nozzle --tets 30k --backend v3y,v4 --scenario alfa,flow
 FORMAT ?= table
 
-.PHONY: run test dist test-dist test-versions test-all lint types bench-native bench-peers bench-cgal bench-polygon-peers gate gate-selftest measuring schema fuzz results reference screenshots thesis clean help
+.PHONY: run test docs dist test-dist test-versions test-all lint types bench-native bench-peers bench-cgal bench-polygon-peers gate gate-selftest measuring schema fuzz results reference screenshots thesis clean help
 
 help:            ## list the targets
 	@grep -E '^[a-z-]+: .*##|^[a-z-]+: *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 16
@@ -37,6 +37,9 @@ types: $(VENV)/developing  ## types and the direction of imports, on the package
 	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --target $(INSTALLED) .
 	cd $(INSTALLED) && PYTHONPATH=. ../../$(BIN)/lint-imports --config ../../pyproject.toml
 	cd $(INSTALLED) && ../../$(BIN)/mypy --config-file ../../pyproject.toml -p tetrabench
+
+docs: $(VENV)/developing  ## the documentation as a site, in out/site; a warning is an error
+	$(BIN)/sphinx-build -b html -W --keep-going -n -q -c docs . $(OUT)/site
 
 dist: $(VENV)/developing  ## the sdist, and the wheel of that sdist, into dist/
 	rm -rf dist
