@@ -14,6 +14,7 @@ from tetrabench.cli.advising import recommend
 from tetrabench.cli.comparing import compare, gate, history
 from tetrabench.cli.machine import doctor
 from tetrabench.cli.meshes import convert, generate, info
+from tetrabench.cli.new import new
 from tetrabench.cli.reporting import report
 from tetrabench.cli.runs import check, list_, run, show
 from tetrabench.cli.speech import say, told_of_skipped
@@ -80,6 +81,6 @@ def main() -> None:
 
 
 _OF_RUNS = (run, check, show, report, recommend, gate, compare, history)
-_OF_MODELS = (doctor, list_, info, view, watch, convert, generate)
+_OF_MODELS = (doctor, list_, info, view, watch, convert, generate, new)
 for verb in (*_OF_RUNS, *_OF_MODELS):
     main.add_command(verb)
