@@ -8,7 +8,14 @@ from tetrabench.cli.speech import patience, tabulate
 
 
 @click.command()
-@click.option("--format", "form", type=click.Choice(["table", "json"]), default="table", show_default=True)
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(["table", "json"]),
+    default="table",
+    show_default=True,
+    help="For people, or for programs.",
+)
 def doctor(form: str) -> None:
     """What can be trusted on this machine, and what to do about the rest. Takes some seconds."""
     import msgspec

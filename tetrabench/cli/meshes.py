@@ -33,7 +33,14 @@ field_option = click.option(
 @click.argument("file", metavar="FILE", type=FILE)
 @repair_option
 @plugin_option
-@click.option("--format", "form", type=click.Choice(["table", "json"]), default="table", show_default=True)
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(["table", "json"]),
+    default="table",
+    show_default=True,
+    help="For people, or for programs.",
+)
 def info(file: Path, repair: str, form: str) -> None:
     """Describe a mesh, or a file of objects: what it holds, what is wrong with it, what was left out.
 
@@ -124,7 +131,15 @@ def convert(source: Path, target: Path, numbering: str, seed: int, repair: str, 
 @seed_option
 @plugin_option
 @field_option
-@click.option("-o", "--output", metavar="FILE", type=FILE, callback=check_folder, required=True)
+@click.option(
+    "-o",
+    "--output",
+    metavar="FILE",
+    type=FILE,
+    callback=check_folder,
+    required=True,
+    help="In the format of its suffix.",
+)
 def generate(name: str, size: int | None, numbering: str, seed: int, field: str | None, output: Path) -> None:
     """Make a model without a mesher and write it: the same file for the same seed.
 
