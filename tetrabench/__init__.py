@@ -97,6 +97,10 @@ def open(
     Raises:
         InputError: no such backend or file, or a mesh that no net can hold.
         MemoryRefusedError: there is not enough memory for it.
+
+    >>> import tetrabench
+    >>> tetrabench.open(tetrabench.generate("box", 48), backend="v4")
+    <TetraNet v4: 48 tetras, 27 points>
     """
     from tetrabench import registry
     from tetrabench.io import read_mesh

@@ -46,6 +46,13 @@ def _query_rect(
 class Simulation:
     """Objects in a box, held by the structure of a contestant.
 
+    >>> import tetrabench
+    >>> start = tetrabench.generate_objects("uniform", 100)
+    >>> simulation = tetrabench.Simulation(start, tetrabench.contestant("collision", "grid"), gravity=0.1)
+    >>> simulation.step(10)
+    >>> simulation.steps_done, simulation.find_pairs().shape[1]
+    (10, 2)
+
     Attributes:
         start: what it began with; its objects are left as they are.
         contestant: the structure.

@@ -28,6 +28,11 @@ class PolygonNet:
 
     All lists are complete and counter-clockwise; a negative number is a boundary condition, in place of a cell.
 
+    >>> import tetrabench
+    >>> net = tetrabench.PolygonNet(tetrabench.generate_polygons("quad", 9), tetrabench.contestant("polygon", "tables"))
+    >>> net.cell_nodes(4).tolist(), net.cell_neighbours(0).tolist()
+    ([5, 6, 10, 9], [-1, 1, 3, -4])
+
     Attributes:
         contestant: its format.
         storage: the format's arrays.

@@ -22,6 +22,14 @@ class ByRef:
     | vertices, neighbours | contiguous | strided | none: words of half-faces | none: refs are addresses |
     | volumes, centroids, side_areas, side_normals, states | contiguous | strided | contiguous | none |
 
+    >>> import tetrabench
+    >>> net = tetrabench.open(tetrabench.generate("box", 48), backend="v5y")
+    >>> net.by_ref.states[7] = 1.0
+    >>> net.states_of(7)
+    array([1., 1., 1., 1., 1.])
+    >>> bool(net.by_ref.volumes[7] == net.volume_of(7))
+    True
+
     Where there is none, the property of the same name on the net, a copy in iteration order, is what to take.
 
     Raises:

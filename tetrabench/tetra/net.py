@@ -38,6 +38,21 @@ class TetraNet:
     A ref stands for a tetra: an int64. Where the contestant has `stable_refs` it is valid until that tetra is deleted; else
     `collect` ends all refs when it returns True, and so may `insert` and `split`, which collect where they have to.
     Arrays of refs are (n,) int64; -1 is no tetra. Properties over the whole net are in iteration order, that of `refs`.
+
+    >>> import tetrabench
+    >>> net = tetrabench.open(tetrabench.generate("box", 48), backend="v3y")
+    >>> net
+    <TetraNet v3y: 48 tetras, 27 points>
+    >>> net.locate([net.points.mean(axis=0), [9.0, 9.0, 9.0]]) >= 0
+    array([ True, False])
+    >>> corners = net.vertices_of(0)
+    >>> net.delete(0)
+    >>> net.insert(*corners) in net
+    True
+    >>> net.split(net.refs[:10])  # none is skipped
+    0
+    >>> len(net), net.check()
+    (78, [])
     """
 
     def __init__(self, mesh: TetraMesh, contestant: TetraContestant) -> None:
@@ -347,6 +362,17 @@ class TetraNet:
         kernel of yours on `net.storage` too. A copy of the net is taken first: that costs as long, and as much memory, as
         `copy`.
 
+        >>> import tetrabench
+        >>> net = tetrabench.open(tetrabench.generate("box", 48))
+        >>> with net.edit():
+        ...     net.delete_many(net.refs[:40])
+        ...     net.delete(-1)
+        Traceback (most recent call last):
+        ...
+        tetrabench.errors.InputError: there is no tetra -1
+        >>> len(net)
+        48
+
         Raises:
             InputError: inside of another edit of the same net.
             MemoryRefusedError: there is no room for a copy.
@@ -381,6 +407,13 @@ class TetraNet:
 
     def insert_many(self, tets: ArrayLike) -> NDArray[np.int64]:
         """Insert tetras, (m, 4) point refs, and return their refs, (m,) int64; states are 0.
+
+        >>> import tetrabench
+        >>> net = tetrabench.open(tetrabench.generate("box", 48))
+        >>> net.insert_points([[2.0, 0.0, 0.0], [2.0, 1.0, 0.0], [2.0, 0.0, 1.0], [3.0, 0.0, 0.0]])
+        array([27, 28, 29, 30], dtype=int32)
+        >>> net.insert_many([[27, 28, 29, 30]])
+        array([48])
 
         Raises:
             InputError: what `insert` says of one of them; none is inserted then.
