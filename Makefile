@@ -39,7 +39,8 @@ types: $(VENV)/developing  ## types and the direction of imports, on the package
 	cd $(INSTALLED) && ../../$(BIN)/mypy --config-file ../../pyproject.toml -p tetrabench
 
 docs: $(VENV)/developing  ## the documentation as a site, in out/site; a warning is an error
-	$(BIN)/sphinx-build -b html -W --keep-going -n -q -c docs . $(OUT)/site
+	rm -rf $(OUT)/site
+	$(BIN)/sphinx-build -b html -E -W --keep-going -n -q -d build/doctrees -c docs . $(OUT)/site
 
 dist: $(VENV)/developing  ## the sdist, and the wheel of that sdist, into dist/
 	rm -rf dist

@@ -59,6 +59,7 @@ nitpick_ignore_regex = [
 html_theme = "furo"
 html_title = f"tetrabench {release}"
 html_show_sphinx = False
+smartquotes = False  # options begin with two hyphens
 html_copy_source = False
 copybutton_prompt_text = "$ "
 
@@ -75,10 +76,10 @@ class Catalogue(SphinxDirective):
 
     def contestants(self, family: str) -> list[str]:
         """A row for each contestant."""
-        rows = ["| name | what it is | trade-off | options |", "|---|---|---|---|"]
+        rows = ["| name | what it is | trade-off |", "|---|---|---|"]
         for one in registry.contestants(family):
-            options = ", ".join(f"`{name}={option.value}`: {option.title}" for name, option in one.options.items())
-            rows.append(f"| `{one.name}` | {one.title} | {one.trade_off} | {options} |")
+            options = [f"`{one.name}.{name}={option.value}`: {option.title}" for name, option in one.options.items()]
+            rows.append(f"| `{one.name}` | {'; '.join([one.title, *options])} | {one.trade_off} |")
         return rows
 
     def scenarios(self, family: str) -> list[str]:
