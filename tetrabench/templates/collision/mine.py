@@ -11,6 +11,7 @@ touch where dx * dx + dy * dy < (r_i + r_j)^2, in just these operations: all str
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tetrabench import protocols
 from tetrabench.collision import interface
@@ -27,7 +28,7 @@ class Mine(NamedTuple):
         look: whether each object looks ahead no further than the largest could reach; it may be chosen, as an option.
     """
 
-    order: np.ndarray
+    order: NDArray[np.int64]
     reach: float
     look: int
 

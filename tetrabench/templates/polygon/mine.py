@@ -11,6 +11,7 @@ length is returned. Lists are counter-clockwise. Beyond the boundary there is a 
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tetrabench.jit import implements, kernel
 from tetrabench.mesh.polygon.connect import NOBODY, after, before, beyond, count_around, turn
@@ -30,12 +31,12 @@ class Mine(NamedTuple):
         node_cells: (2 edges,) int32: cells; at a boundary node a boundary condition is the last.
     """
 
-    cell_starts: np.ndarray
-    cell_nodes: np.ndarray
-    cell_neighbours: np.ndarray
-    node_starts: np.ndarray
-    node_neighbours: np.ndarray
-    node_cells: np.ndarray
+    cell_starts: NDArray[np.int32]
+    cell_nodes: NDArray[np.int32]
+    cell_neighbours: NDArray[np.int32]
+    node_starts: NDArray[np.int32]
+    node_neighbours: NDArray[np.int32]
+    node_cells: NDArray[np.int32]
 
 
 def make_mine(links):

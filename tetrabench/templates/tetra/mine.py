@@ -12,6 +12,7 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tetrabench.backends.tetra.slots.flag_list import make_flag_list
 from tetrabench.jit import implements
@@ -34,13 +35,13 @@ class Mine(NamedTuple):
         state: (capacity, 5) float64.
     """
 
-    vertex: np.ndarray
-    neighbour: np.ndarray
-    volume: np.ndarray
-    centroid: np.ndarray
-    side_area: np.ndarray
-    side_normal: np.ndarray
-    state: np.ndarray
+    vertex: NDArray[np.int32]
+    neighbour: NDArray[np.int32]
+    volume: NDArray[np.float64]
+    centroid: NDArray[np.float64]
+    side_area: NDArray[np.float64]
+    side_normal: NDArray[np.float64]
+    state: NDArray[np.float64]
 
 
 def make_mine(capacity):
