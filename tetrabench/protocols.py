@@ -68,6 +68,37 @@ class ModelFacts:
 
 
 @dataclass(frozen=True)
+class Tour:
+    """What a run takes where nothing is named: so little that it ends within a minute with nothing compiled yet.
+
+    Attributes:
+        model: its name; size: of one that is generated, in elements, None of one that is a file of ours.
+        backends, scenarios: by name, few of all.
+        file: what a file of a person's own might be called.
+    """
+
+    model: str
+    size: int | None
+    backends: Sequence[str]
+    scenarios: Sequence[str]
+    file: str
+
+
+@dataclass(frozen=True)
+class Needs:
+    """What runs on a model need, from what was measured of others: for an estimate.
+
+    Attributes:
+        peak_bytes: the most while a contestant's structure of it is built.
+        launch_s: seconds of a launch of three rounds, all scenarios on all contestants, with everything compiled; None where
+            nobody can say.
+    """
+
+    peak_bytes: float
+    launch_s: float | None = None
+
+
+@dataclass(frozen=True)
 class Workload:
     """A usual mix of a family's scenarios, under a name that people type.
 
@@ -191,6 +222,10 @@ class Family(Protocol):
         """The model that is taken where none is named."""
 
     @property
+    def tour(self) -> Tour | None:
+        """What a run takes where nothing at all is named; None: everything, on the default model."""
+
+    @property
     def size_option(self) -> str:
         """What the size of a model counts, and the option that sets it: "tets" for --tets."""
 
@@ -227,6 +262,9 @@ class Family(Protocol):
         Raises:
             InputError: there is no such file and no such model; says how to get one.
         """
+
+    def needs(self, model: Any) -> Needs | None:
+        """What runs on a model need, as its `io.kinds.Kind` reads it; None where nobody knows."""
 
     def describe_model(self, path: Path) -> ModelFacts:
         """Read a model, and say what it holds.

@@ -191,6 +191,7 @@ class Family:
     thesis_order = ("third", "first", "second")
     models = {"tiny": "three letters"}
     kind = None
+    tour = None
     rules = ()
 
     def add_model(self, model: object) -> None:
@@ -207,6 +208,9 @@ class Family:
         path = HERE / (f"model-{size}" if size else "model")
         path.write_text("abc")
         return path
+
+    def needs(self, model: object) -> None:
+        return None
 
     def describe_model(self, path: Path) -> ModelFacts:
         return ModelFacts({"letters": 3}, ("one letter is a digit",))

@@ -2,6 +2,7 @@
 
 import shlex
 from collections import Counter
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -9,11 +10,21 @@ import pytest
 from click.testing import CliRunner
 
 from tests.bench.scripted import scripted_plan
+from tetrabench import registry
 from tetrabench.bench import EFFORTS, Backend, Effort, Task, make_plan
-from tetrabench.bench.plan import DEFAULT_SIZE, combinations, control_of, model_of, parse_option, williams_row
+from tetrabench.bench.plan import (
+    DEFAULT_SIZE,
+    TOUR_LAUNCHES,
+    combinations,
+    control_of,
+    model_of,
+    parse_option,
+    williams_row,
+)
 from tetrabench.bench.statistics import fewest_launches
 from tetrabench.cli import main
 from tetrabench.errors import InputError
+from tetrabench.protocols import Tour
 
 
 @pytest.mark.parametrize("count", range(1, 10))
@@ -182,6 +193,60 @@ class TestMakePlan:
         assert {name: path.name for name, path in plan.models.items()} == {"tiny": f"model-{DEFAULT_SIZE}"}
         assert plan.command == f"tetrabench run --model tiny --family scripted --tets {DEFAULT_SIZE}"
         assert [path.name for path in make_plan(family="scripted", tets=[7]).models.values()] == ["model-7"]
+
+    def test_where_nothing_is_named_it_is_the_tour_of_the_family(self, monkeypatch):
+        tour = Tour("tiny", 5, ("other", "third"), ("second",), "part.txt")
+        monkeypatch.setattr(type(registry.family("scripted")), "tour", tour)
+        plan = make_plan(family="scripted")
+        assert (list(plan.models), [one.name for one in plan.backends]) == (
+            ["tiny"],
+            ["other", "third", "other control"],
+        )
+        assert [task.name for task in plan.tasks] == ["second"]
+        assert (plan.profile, plan.effort.launches) == ("quick", TOUR_LAUNCHES)
+        exact = sum(one.is_exact for one in registry.contestants("scripted"))
+        assert plan.left_out == (
+            f"a first look: 2 of {exact} backends in 1 of 4 scenarios, on a small model; all of them on one of yours: "
+            "tetrabench run --family scripted --model part.txt"
+        )
+        # The command repeats the run, by names alone.
+        words = shlex.split(plan.command)
+        asked = {word.removeprefix("--"): words[n + 1] for n, word in enumerate(words[:-1]) if word.startswith("--")}
+        again = make_plan(
+            asked["model"],
+            family=asked["family"],
+            backends=asked["backend"].split(","),
+            scenarios=asked["scenario"].split(","),
+            profile="quick" if "--quick" in words else "default",
+            launches=int(asked["launches"]),
+            tets=[int(asked["tets"])],
+        )
+        assert replace(again, left_out=plan.left_out, command=plan.command) == plan
+        assert (again.left_out, shlex.split(again.command)) == ("", words)
+        assert make_plan(family="scripted", launches=5).effort.launches == 5
+
+    @pytest.mark.parametrize(
+        "named",
+        [
+            {"model": "tiny"},
+            {"backends": ["steady"]},
+            {"scenarios": ["first"]},
+            {"tets": [7]},
+            {"options": {"count": [3]}},
+            {"reference": "steady"},
+            {"numberings": ["hilbert"]},
+            {"profile": "check"},
+            {"profile": "rigorous"},
+            {"profile": "thesis"},
+        ],
+    )
+    def test_whoever_names_something_gets_all_the_rest(self, monkeypatch, named):
+        monkeypatch.setattr(
+            type(registry.family("scripted")), "tour", Tour("tiny", 5, ("other",), ("second",), "part.txt")
+        )
+        plan = make_plan(family="scripted", **named)
+        assert plan.left_out == ""
+        assert len(plan.tasks) > 1 or len(plan.backends) > 2
 
     def test_sweeps_over_numberings(self):
         plan = plan_of(numberings=["natural", "shuffled", "natural"])

@@ -54,6 +54,7 @@ class Registry:
             thesis_order=list(kind.thesis_order),
             default_model=kind.default_model,
             size_option=kind.size_option,
+            tour=kind.tour,
             contestants=[
                 ContestantFacts(
                     name=one.name,

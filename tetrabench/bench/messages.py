@@ -8,7 +8,7 @@ The end of the pipe means close.
 import msgspec
 
 from tetrabench.bench.record import Yardsticks
-from tetrabench.protocols import Option
+from tetrabench.protocols import Option, Tour
 
 PROTOCOL = 1
 """Of all this; the two ends may be different versions of tetrabench when one gate compares them."""
@@ -170,6 +170,7 @@ class Described(msgspec.Struct, frozen=True, tag=True, kw_only=True):
     scenarios: list[ScenarioFacts]
     default_model: str = ""
     size_option: str = "tets"
+    tour: Tour | None = None
     skipped: list[str] = []
     rules: list[RuleFacts] = []
 

@@ -18,7 +18,7 @@ from tetrabench.bench.messages import ContestantFacts, Described, Find, Scenario
 from tetrabench.bench.record import Backend, Effort, Model, Task
 from tetrabench.bench.statistics import fewest_launches
 from tetrabench.errors import InputError, find_named
-from tetrabench.protocols import ModelFacts, Options
+from tetrabench.protocols import ModelFacts, Options, Tour
 from tetrabench.registry import choose_options
 
 EFFORTS = {
@@ -32,6 +32,8 @@ EFFORTS = {
 
 DEFAULT_SIZE = 30_000
 """Elements of the model where none is named: all contestants and scenarios end in minutes."""
+TOUR_LAUNCHES = 2
+"""Of a run where nothing is named: what is many times as slow shows in each."""
 TIMEOUT_S = 3600.0
 """Longest wait for a worker unless another is asked for: a sweep of the source's slowest takes minutes."""
 
@@ -52,6 +54,7 @@ class Plan:
         has_memory, has_yardsticks: whether memory and the machine are measured too.
         command: how to repeat the run.
         titles: of all contestants of the family, see `record.Results`.
+        left_out: where nothing was named, what a run takes less than all, and how to have it all, a sentence; else "".
     """
 
     family: str
@@ -70,6 +73,7 @@ class Plan:
     has_yardsticks: bool = True
     command: str = ""
     titles: tuple[str, ...] = ()
+    left_out: str = ""
     checkouts: Mapping[str, Path] = field(default_factory=dict)
 
     @property
@@ -122,7 +126,9 @@ def make_plan(
     """Look up what is asked for by name; find the model, or have it generated.
 
     Args:
-        model: a file, or the name of a model that the family can generate; None: the family's default, and a small one.
+        model: a file, or the name of a model that the family can generate; None: the family's default, and a small one. Where
+            nothing else is named either, neither backends nor scenarios, sizes, options, numberings, a reference or plug-ins,
+            and the profile is "default" or "quick", the family's tour, with the effort of "quick" in TOUR_LAUNCHES.
         backends: contestants; all that are exact if None. The first one that is exact is the reference where the
             family's is not among them.
         scenarios: all if None, or with the thesis profile those of the source, in its order.
@@ -156,7 +162,15 @@ def make_plan(
             f"--{sized_by}: models of the family {family} are counted in --{kind.size_option}; "
             "say that, or name another --family"
         )
-    if model is None:
+    left_out = ""
+    is_named = any(one is not None for one in (model, backends, scenarios, reference, tets)) or bool(options)
+    has_tour = profile in ("default", "quick") and numberings == ["natural"] and not plugins.files()
+    if kind.tour and has_tour and not is_named:
+        model, tets = kind.tour.model, [kind.tour.size] if kind.tour.size else None
+        backends, scenarios = list(kind.tour.backends), list(kind.tour.scenarios)
+        profile, launches = "quick", launches or TOUR_LAUNCHES
+        left_out = _left_out(kind, kind.tour, family)
+    elif model is None:
         model, tets = kind.default_model, tets or [DEFAULT_SIZE]
     thesis = profile == "thesis"
     options = options or {}
@@ -213,6 +227,17 @@ def make_plan(
         has_yardsticks=profile != "check",
         command=command,
         titles=tuple(one.title for one in kind.contestants),
+        left_out=left_out,
+    )
+
+
+def _left_out(kind: Described, tour: Tour, family: str) -> str:
+    """What a tour is less than all, and what to type next."""
+    exact = sum(one.exact for one in kind.contestants)
+    whose = "" if family == "tetra" else f"--family {family} "
+    return (
+        f"a first look: {len(tour.backends)} of {exact} backends in {len(tour.scenarios)} of {len(kind.scenarios)} scenarios, "
+        f"on a small model; all of them on one of yours: tetrabench run {whose}--model {tour.file}"
     )
 
 

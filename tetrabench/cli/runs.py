@@ -63,7 +63,10 @@ def run(
     rigorous: bool,
     **choices: Any,
 ) -> None:
-    """Run scenarios on backends, compare the answers, and say what each cost in time and memory."""
+    """Run scenarios on backends, compare the answers, and say what each cost in time and memory.
+
+    Where nothing is named that is a first look: a few of them on a small model, within a minute.
+    """
     from tetrabench.bench import exit_code, run_benchmark
 
     profiles = {"thesis": thesis, "quick": quick, "rigorous": rigorous}
@@ -75,12 +78,16 @@ def run(
     plan = look_up(choices, asked[0] if asked else "default")
     if dry_run:
         click.echo(describe_plan(plan))
+        if plan.left_out:
+            say(plan.left_out)
         return
     with RunProgress() as progress:
         results = run_benchmark(plan, progress=progress, output=output, resume=resume)
     present(results, form, charts, chart_format, intervals=intervals)
     if output:
         say(f"wrote {output}")
+    if plan.left_out:
+        say(plan.left_out)
     if results.ended:
         why = "interrupted" if results.ended == "interrupted" else "out of budget"
         kept = f"go on with --resume -o {output}" if output else "no results are kept without -o"

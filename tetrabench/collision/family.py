@@ -10,13 +10,13 @@ import tetrabench.mesh
 from tetrabench.collision.conformance import RULES
 from tetrabench.collision.contestant import CollisionContestant
 from tetrabench.collision.objects import Start
-from tetrabench.collision.simulation import Simulation
+from tetrabench.collision.simulation import PEAK, Simulation
 from tetrabench.collision.start.files import check_objects_source, check_objects_target, read_objects, write_objects
 from tetrabench.collision.start.inspection import count_outside
 from tetrabench.collision.start.kind import OBJECTS
 from tetrabench.collision.start.models import MODELS, add_model, generate_objects
 from tetrabench.io.shelf import Shelf
-from tetrabench.protocols import ModelFacts
+from tetrabench.protocols import ModelFacts, Needs, Tour
 
 
 class CollisionStage:
@@ -92,6 +92,7 @@ class CollisionFamily:
     default_model = "uniform"
     size_option = "objects"
     thesis_order = ("motion", "concentration", "weightless", "gravity")
+    tour = Tour("uniform", 10_000, ("kdtree", "grid", "ckdtree"), ("motion", "windows"), "start.csv")
     kind = OBJECTS
     rules = RULES
 
@@ -115,6 +116,10 @@ class CollisionFamily:
     def find_model(self, model: str, *, size: int | None, numbering: str, seed: int) -> Path:
         """The file of a model: `model` is a path, or the name of one that is generated into the user's cache."""
         return SHELF.find(model, size=size, numbering=numbering, seed=seed)
+
+    def needs(self, model: Start) -> Needs:
+        """What runs on a start need. How long they take depends on how its objects lie and move."""
+        return Needs(len(model.objects.x) * PEAK)
 
     def describe_model(self, path: Path) -> ModelFacts:
         """How many objects a model has, and how many of them begin outside of its box."""

@@ -4,7 +4,7 @@ import functools
 import hashlib
 import inspect
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
 from types import ModuleType
@@ -21,6 +21,7 @@ class Shelf:
 
     Attributes:
         models: that can be generated, by name; plug-ins may add some.
+        files: of ours, by the name of their model.
         size_of: (model) -> its default size, in elements.
         maker_of: (model) -> the function that makes it.
         suffix: of the files that these are kept in.
@@ -38,6 +39,7 @@ class Shelf:
     made_by: tuple[ModuleType, ...]
     check_source: Callable[[Path], object]
     check_target: Callable[[Path], object]
+    files: Mapping[str, Path] = field(default_factory=dict)
 
     def find(self, model: str, *, size: int | None, numbering: str, seed: int) -> Path:
         """The file of a model: `model` is a path, or the name of one that is generated if it is not there yet.
@@ -46,7 +48,7 @@ class Shelf:
             InputError: there is no such file and no such model; says how to get one. Or what `make` refuses.
         """
         if model not in self.models:
-            path = Path(model)
+            path = self.files.get(model, Path(model))
             if not is_file(path):
                 raise InputError(self._how_to_get(path))
             self.check_source(path)

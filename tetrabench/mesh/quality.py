@@ -1,4 +1,4 @@
-"""Volumes and dihedral angles of tetras given as arrays: what readers and generators state about a mesh."""
+"""Volumes, dihedral angles and radius ratios of tetras given as arrays: what is stated about a mesh."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,9 +56,14 @@ def count_signs(points: NDArray[np.float64], tets: NDArray[np.int32]) -> tuple[i
     return inverted, degenerate
 
 
-@kernel(allocates=False)
 def smallest_dihedral_angle(points: NDArray[np.float64], tets: NDArray[np.int32]) -> float:
-    """Smallest angle between two sides of any one tetra, in degrees (70.5 in a regular one).
+    """The first of `dihedral_angles`."""
+    return float(dihedral_angles(points, tets)[0])
+
+
+@kernel(allocates=False)
+def dihedral_angles(points: NDArray[np.float64], tets: NDArray[np.int32]) -> tuple[float, float]:
+    """Smallest and largest angle between two sides of any one tetra, in degrees (70.5 in a regular one).
 
     Args:
         points: (n, 3) float64, C-contiguous.
@@ -67,7 +72,7 @@ def smallest_dihedral_angle(points: NDArray[np.float64], tets: NDArray[np.int32]
     Returns:
         Degrees; NaN where there is no tetra with a volume.
     """
-    largest_cosine = np.nan
+    largest_cosine, smallest_cosine = np.nan, np.nan
     for t in range(tets.shape[0]):
         determinant, size = determinant_and_size(points, tets, t)
         if abs(determinant) > SIGN_BOUND * size:
@@ -79,7 +84,55 @@ def smallest_dihedral_angle(points: NDArray[np.float64], tets: NDArray[np.int32]
             for cosine in (-dot(i, j), -dot(i, k), -dot(i, m), -dot(j, k), -dot(j, m), -dot(k, m)):
                 if not cosine <= largest_cosine:  # also where it is still NaN
                     largest_cosine = cosine
-    return float(np.degrees(np.arccos(min(largest_cosine, 1.0))))
+                if not cosine >= smallest_cosine:
+                    smallest_cosine = cosine
+    return (
+        float(np.degrees(np.arccos(min(largest_cosine, 1.0)))),
+        float(np.degrees(np.arccos(max(smallest_cosine, -1.0)))),
+    )
+
+
+@kernel
+def radius_ratios(points: NDArray[np.float64], tets: NDArray[np.int32]) -> NDArray[np.float64]:
+    """How well shaped each tetra is: three times the radius of its inscribed sphere over that of its circumscribed one.
+
+    A. Liu and B. Joe, Relationship between tetrahedron shape measures, 1994. With u, v, w the edges from one vertex and
+    d = det(u, v, w), the inscribed radius is |d| / sum |n_i|, n_i the vector products along the four sides, twice as long as
+    their areas, and the circumscribed one is | |u|^2 v x w + |v|^2 w x u + |w|^2 u x v | / (2 |d|).
+
+    Args:
+        points: (n, 3) float64, C-contiguous.
+        tets: (m, 4) int32, C-contiguous, indices into `points`.
+
+    Returns:
+        (m,) float64: 1 for a regular tetra, 0 for one without volume (`count_signs`), whatever its size.
+    """
+    ratios = np.zeros(tets.shape[0], np.float64)
+    for t in range(tets.shape[0]):
+        a, b, c, d = tets[t, 0], tets[t, 1], tets[t, 2], tets[t, 3]
+        u, v, w = difference(points, b, a), difference(points, c, a), difference(points, d, a)
+        size = np.sqrt(max(dot(u, u), dot(v, v), dot(w, w)))
+        if size > 0 and size < np.inf:
+            u, v, w = shrunk(u, size), shrunk(v, size), shrunk(w, size)  # six lengths multiplied may be beyond float64
+            uu, vv, ww = dot(u, u), dot(v, v), dot(w, w)
+            uv, vw, wu = cross(u, v), cross(v, w), cross(w, u)
+            determinant = dot(uv, w)
+            if abs(determinant) > SIGN_BOUND * np.sqrt(uu) * np.sqrt(vv) * np.sqrt(ww):
+                far = uv[0] + vw[0] + wu[0], uv[1] + vw[1] + wu[1], uv[2] + vw[2] + wu[2]  # along the side opposite a
+                centre = (
+                    uu * vw[0] + vv * wu[0] + ww * uv[0],
+                    uu * vw[1] + vv * wu[1] + ww * uv[1],
+                    uu * vw[2] + vv * wu[2] + ww * uv[2],
+                )
+                areas = np.sqrt(dot(uv, uv)) + np.sqrt(dot(vw, vw)) + np.sqrt(dot(wu, wu)) + np.sqrt(dot(far, far))
+                ratios[t] = min(6 * determinant * determinant / (areas * np.sqrt(dot(centre, centre))), 1.0)
+    return ratios
+
+
+@kernel(allocates=False, inline=True)
+def shrunk(u: Vector, size: float) -> Vector:
+    """u / size."""
+    return u[0] / size, u[1] / size, u[2] / size
 
 
 @kernel(allocates=False, inline=True)

@@ -13,8 +13,8 @@ from tetrabench.mesh.polygon import PolygonMesh
 from tetrabench.mesh.polygon.models import MODELS, add_model, generate_polygons
 from tetrabench.polygon.conformance import RULES
 from tetrabench.polygon.contestant import PolygonContestant
-from tetrabench.polygon.net import PolygonNet
-from tetrabench.protocols import ModelFacts
+from tetrabench.polygon.net import PEAK, PolygonNet
+from tetrabench.protocols import ModelFacts, Needs, Tour
 
 
 class PolygonStage:
@@ -103,6 +103,9 @@ class PolygonFamily:
         "gas-cell",
         "gas-cell-adjacency",
     )
+    tour = Tour(
+        "voronoi", 10_000, ("by-edge", "by-node", "tables"), ("cell-nodes", "node-cells", "gasdynamics"), "cells.vtu"
+    )
     kind = None
     rules = RULES
 
@@ -126,6 +129,10 @@ class PolygonFamily:
     def find_model(self, model: str, *, size: int | None, numbering: str, seed: int) -> Path:
         """The file of a model: `model` is a path, or the name of one that is generated into the user's cache."""
         return SHELF.find(model, size=size, numbering=numbering, seed=seed)
+
+    def needs(self, model: PolygonMesh) -> Needs:
+        """What runs on a mesh need."""
+        return Needs(len(model.nodes) * PEAK)
 
     def describe_model(self, path: Path) -> ModelFacts:
         """Cells, edges and nodes of a model, and the warnings of its reader."""

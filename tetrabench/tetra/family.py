@@ -15,8 +15,8 @@ from tetrabench.io.formats import NoCellsError
 from tetrabench.io.shelf import Shelf
 from tetrabench.jit import kernel
 from tetrabench.mesh import TetraMesh
-from tetrabench.mesh.models import MODELS, add_model, generate
-from tetrabench.protocols import ModelFacts
+from tetrabench.mesh.models import MODELS, SMALL_NOZZLE, add_model, generate
+from tetrabench.protocols import ModelFacts, Needs, Tour
 from tetrabench.tetra.conformance import RULES
 from tetrabench.tetra.contestant import TetraContestant
 from tetrabench.tetra.interface import (
@@ -28,7 +28,7 @@ from tetrabench.tetra.interface import (
     next_tetra,
     set_state,
 )
-from tetrabench.tetra.net import TetraNet
+from tetrabench.tetra.net import PEAK, TetraNet
 
 
 class TetraStage:
@@ -153,7 +153,11 @@ SHELF = Shelf(
     made_by=(tetrabench.mesh, tetrabench.io),
     check_source=known_suffix,
     check_target=check_target,
+    files={SMALL_NOZZLE.stem: SMALL_NOZZLE},
 )
+
+LAUNCH_S = 36.0, 6.4e-4
+"""Seconds of a launch, and for each tetra: measured in results/nozzle-120k-quick.json."""
 
 
 class TetraFamily:
@@ -164,13 +168,17 @@ class TetraFamily:
     default_model = "nozzle"
     size_option = "tets"
     thesis_order = ("init", "delete", "explode", "alfa", "flow", "free")
+    tour = Tour(SMALL_NOZZLE.stem, None, ("v3y", "v4"), ("alfa", "delete"), "part.nas")
     kind = None
     rules = RULES
 
     @property
     def models(self) -> Mapping[str, str]:
-        """Models that can be generated: name -> one line about it."""
-        return {name: model.title for name, model in MODELS.items()}
+        """Models that can be generated, and the one that is a file of ours: name -> one line about it."""
+        titles = {name: model.title for name, model in MODELS.items()}
+        return titles | {
+            SMALL_NOZZLE.stem: "a nozzle of 12,096 tetras in a Nastran file: what a run takes where nothing is named"
+        }
 
     def add_model(self, model: Any) -> None:
         """Take in a model of a plug-in.
@@ -187,6 +195,11 @@ class TetraFamily:
     def find_model(self, model: str, *, size: int | None, numbering: str, seed: int) -> Path:
         """The file of a model: `model` is a path, or the name of one that is generated into the user's cache."""
         return SHELF.find(model, size=size, numbering=numbering, seed=seed)
+
+    def needs(self, model: TetraMesh) -> Needs:
+        """What runs on a mesh need."""
+        tets = len(model.tets)
+        return Needs(tets * PEAK, LAUNCH_S[0] + tets * LAUNCH_S[1])
 
     def describe_model(self, path: Path) -> ModelFacts:
         """Tetras and points of a model, and the warnings of its reader."""

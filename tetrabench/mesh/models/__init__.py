@@ -5,6 +5,7 @@ are alike.
 """
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
@@ -20,6 +21,10 @@ from tetrabench.mesh.tetra_mesh import MeshReport, TetraMesh
 
 # What is taken at the peak for each tetra, measured with the nozzle of 642,816, rounded up.
 MOST_BYTES = {"natural": 70, "shuffled": 100, "hilbert": 220, "rcm": 260}
+
+SMALL_NOZZLE = Path(__file__).with_name("small-nozzle.nas")
+"""A mesh for a first look, which comes along as a mesher would write it: the file that
+`tetrabench generate nozzle --tets 12k -o small-nozzle.nas` makes."""
 
 MODELS = {model.name: model for model in (NOZZLE, INTAKE, BOX)}
 
