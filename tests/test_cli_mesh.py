@@ -12,12 +12,15 @@ import pytest
 
 from tests.meshes import apart, mesh_of
 from tests.test_cli import refusal, say
+from tetrabench.bench.needs import Forecast
 from tetrabench.cli.options import read_count
 from tetrabench.io import read_mesh, write_mesh
-from tetrabench.mesh.inspection import Inspection
+from tetrabench.mesh.bandwidth import Bandwidth
+from tetrabench.mesh.inspection import Inspection, Numbering, TetraQuality
 from tetrabench.mesh.models import generate
 
 POINTS = np.random.default_rng(1).uniform(size=(9, 3))
+MEMORY = "memory of a run, about"
 FAULTY = [[0, 1, 2, 3], [1, 2, 3, 4], [1, 2, 3, 5], [3, 2, 1, 0], [7, 7, 7, 6]]
 
 
@@ -41,11 +44,14 @@ def test_info_of_a_sound_file(tmp_path: Path) -> None:
     write_mesh(apart(), tmp_path / "a.vtu")
     result = say("info", tmp_path / "a.vtu")
     assert (result.exit_code, result.stderr) == (0, "")
-    values = dict(re.split(" {2,}", line) for line in result.stdout.splitlines())
+    values = dict(re.split(" {2,}", line) for line in result.stdout.splitlines() if line)
     assert values["format"] == "VTK XML"
     assert (values["points"], values["tetras"], values["components"], values["unreferenced"]) == ("9", "2", "2", "1")
     assert (values["lowest"], values["highest"], values["volume"]) == ("0, 0, 0", "6, 6, 6", "0.333333333")
     assert (values["smallest dihedral angle"], values["dropped"]) == ("54.7 degrees", "none")
+    assert (values["worst tetras"], values["distances of tetras"]) == ("1, 2", "largest 0, mean 0, profile 0")
+    assert re.fullmatch(r"\S+ GiB with all backends at once, in groups .* at least; \S+ MiB a net", values[MEMORY])
+    assert re.fullmatch(r"\d+ min, with --quick \d+ min", values["time of a run, about"])
 
 
 def test_keys_of_the_json_are_those_documented(tmp_path: Path) -> None:
@@ -53,9 +59,12 @@ def test_keys_of_the_json_are_those_documented(tmp_path: Path) -> None:
     result = say("info", tmp_path / "box.nas", "--format", "json")
     assert (result.exit_code, result.stderr) == (0, "")
     told = json.loads(result.stdout)
-    assert list(told) == [field.name for field in fields(Inspection)]
-    documented = {line.partition(":")[0].strip() for line in (Inspection.__doc__ or "").splitlines()}
-    assert set(told) <= documented  # Python 3.13 takes the indentation away
+    assert list(told) == [*(field.name for field in fields(Inspection)), "needs"]
+    parts = [(told, Inspection), (told["quality"], TetraQuality), (told["numbering"], Numbering)]
+    parts += [(one, Bandwidth) for one in told["numbering"]["distances"].values()] + [(told["needs"], Forecast)]
+    for part, kind in parts:
+        documented = {line.partition(":")[0].strip() for line in (kind.__doc__ or "").splitlines()}
+        assert set(part) <= documented | {"needs"}  # Python 3.13 takes the indentation away
     assert (told["tetras"], told["points"], told["surface_sides"]) == (48, 27, 48)
     assert told["volume"] == pytest.approx(1)
     assert (told["dropped"], told["refusal"]) == ({}, "")
@@ -64,7 +73,7 @@ def test_keys_of_the_json_are_those_documented(tmp_path: Path) -> None:
 def test_info_of_what_is_refused_for_faults_that_can_be_left_out(faulty: Path) -> None:
     result = say("info", faulty)
     assert result.exit_code == 0
-    assert "dropped                  repeated node 1, duplicate 1, crowded side 1\n" in result.stdout
+    assert re.search("^dropped +repeated node 1, duplicate 1, crowded side 1$", result.stdout, re.MULTILINE)
     sentence = "tetra 5 repeats a node; also: 1 duplicate, 1 crowded side"
     assert f"- {faulty}: {sentence}; left out\n" in result.stdout
     assert result.stdout.endswith("- the file is refused, unless --repair drop leaves these tetras out\n")

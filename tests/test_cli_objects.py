@@ -58,7 +58,7 @@ def test_info_of_a_table(tmp_path: Path) -> None:
     (tmp_path / "a.csv").write_text("# box 20 10\nx,y,vx,vy,r,m\n1,2,3,4,1,5\n2,2,0,0,1,7\n-5,2,0,0,2,5\n")
     result = say("info", tmp_path / "a.csv")
     assert (result.exit_code, result.stderr) == (0, "")
-    values = dict(re.split(" {2,}", line, maxsplit=1) for line in result.stdout.splitlines())
+    values = dict(re.split(" {2,}", line, maxsplit=1) for line in result.stdout.splitlines() if line)
     assert values == {
         "source": str(tmp_path / "a.csv"),
         "objects": "3",
@@ -72,9 +72,11 @@ def test_info_of_a_table(tmp_path: Path) -> None:
         "speeds": "0, 5",
         "covered": "0.0942477796",
         "contacts": "1",
+        "stride": "0.489897949",
+        "memory of a run, about": values["memory of a run, about"],
     }
     told = json.loads(say("info", tmp_path / "a.csv", "--format", "json").stdout)
-    assert list(told) == [field.name for field in fields(ObjectsInspection)]
+    assert list(told) == [*(field.name for field in fields(ObjectsInspection)), "needs"]
     assert (told["contacts"], told["radii"], told["refusal"]) == (1, [1.0, 2.0], "")
 
 

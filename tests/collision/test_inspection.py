@@ -28,6 +28,7 @@ def test_a_few_objects() -> None:
         speeds=(0.0, 5.0),
         covered=pytest.approx(math.pi * (4 + 3.001**2 + 1 + 16) / 80),
         contacts=3,
+        stride=pytest.approx((5 + math.hypot(7, 4) + math.hypot(10, 4)) / 3 / math.sqrt(80 / 4)),
     )
     for x, y in ((-1, 1), (11, 1), (1, -1), (1, 9)):
         assert inspect_objects(Start(make_objects([x], [y]), 10.0, 8.0)).outside == 1
@@ -35,6 +36,7 @@ def test_a_few_objects() -> None:
 
 def test_no_objects() -> None:
     told = inspect_objects(generate_objects("mixed", 0))
+    assert told.stride is None
     assert (told.objects, told.outside, told.contacts, told.covered) == (0, 0, 0, 0.0)
     assert told.lowest == told.highest == told.radii == told.masses == told.speeds == ()
 

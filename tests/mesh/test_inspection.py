@@ -9,8 +9,11 @@ import pytest
 from tests.meshes import apart, box, mesh_of, single, touching
 from tetrabench.errors import InputError
 from tetrabench.mesh import TetraMesh
+from tetrabench.mesh.bandwidth import Bandwidth
 from tetrabench.mesh.inspection import inspect_mesh
 from tetrabench.mesh.models import generate
+from tetrabench.mesh.numbering import renumber
+from tetrabench.mesh.quality import radius_ratios
 
 CUBE = generate("box", 6)  # one cube of six tetras
 
@@ -89,9 +92,12 @@ def test_measures() -> None:
     assert (found.points, found.tetras) == (9, 2)
     assert (found.lowest, found.highest) == ((0, 0, 0), (6, 6, 6))
     assert found.volume == pytest.approx(1 / 3)
-    assert found.smallest_dihedral_angle == pytest.approx(54.7356103)
+    assert found.quality.smallest_dihedral_angle == pytest.approx(54.7356103)
+    assert found.quality.largest_dihedral_angle == pytest.approx(90)
+    assert sorted(found.quality.worst_tetras) == [1, 2]
     flat = inspect_mesh(mesh_of([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], [[0, 1, 2, 3]]))
-    assert flat.smallest_dihedral_angle is None
+    assert (flat.quality.smallest_dihedral_angle, flat.quality.largest_dihedral_angle) == (None, None)
+    assert set(flat.quality.radius_ratio.values()) == {0.0}
     assert flat.volume == 0
 
 
@@ -143,3 +149,47 @@ def test_what_the_reader_counted_is_handed_on() -> None:
     found = inspect_mesh(mesh)
     assert (found.skipped, found.dropped) == ({"CBAR": 3}, {"duplicate": 2})
     assert (found.quadratic, found.inverted, found.degenerate) == (4, 5, 6)
+
+
+def test_the_worst_tetras_are_those_of_the_naive_twin() -> None:
+    mesh = generate("box", 150, seed=2)
+    mesh.tet_ids = mesh.tet_ids[::-1] * 10
+    ratios = radius_ratios(mesh.points, mesh.tets).tolist()
+    order = sorted(range(len(ratios)), key=lambda row: (ratios[row], row))
+    found = inspect_mesh(mesh).quality
+    assert found.worst_tetras == tuple(mesh.tet_ids[row] for row in order[:5])
+    ordered = sorted(ratios)
+    places = {"worst": 0.0, "1 %": 0.01, "10 %": 0.1, "median": 0.5, "best": 1.0}
+    assert found.radius_ratio == {name: ordered[int(share * (len(ratios) - 1))] for name, share in places.items()}
+
+
+@pytest.mark.parametrize("order", ["natural", "shuffled", "hilbert"])
+def test_distances_in_the_numbering_are_those_of_the_naive_twin(order: str) -> None:
+    mesh = generate("box", 150, numbering=order)
+    of_sides, of_edges = [], []
+    tets = mesh.tets.tolist()
+    for i, one in enumerate(tets):
+        of_sides += [(j, i) for j in range(i) if len({*one} & {*tets[j]}) == 3]
+        of_edges += list(combinations(one, 2))
+    found = inspect_mesh(mesh).numbering
+    for name, count, pairs in (("tetras", len(tets), of_sides), ("points", len(mesh.points), of_edges)):
+        before = [min([row, *(min(pair) for pair in pairs if max(pair) == row)]) for row in range(count)]
+        distances = [abs(one - other) for one, other in pairs]
+        assert found.distances[name] == Bandwidth(
+            max(distances), pytest.approx(sum(distances) / len(pairs)), sum(range(count)) - sum(before)
+        )
+    along = inspect_mesh(renumber(mesh, "hilbert")).numbering.distances
+    for name in ("tetras", "points"):
+        assert found.distances[f"{name} along a Hilbert curve"] == along[name]
+
+
+def test_another_order_is_advised_where_it_pays(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tetrabench.mesh.bandwidth.FEWEST", 300)
+    monkeypatch.setattr("tetrabench.mesh.bandwidth.WORTH", 2.0)
+    mesh = generate("box", 400, numbering="shuffled")
+    told = inspect_mesh(mesh).numbering
+    now, then = (told.distances[name].mean for name in ("tetras", "tetras along a Hilbert curve"))
+    assert f"neighbouring tetras from {now:,.0f} rows apart to {then:,.0f}" in told.advice
+    assert inspect_mesh(renumber(mesh, "hilbert")).numbering.advice == ""
+    monkeypatch.setattr("tetrabench.mesh.bandwidth.FEWEST", 500)
+    assert inspect_mesh(mesh).numbering.advice == ""

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tetrabench.mesh.models import generate
-from tetrabench.mesh.quality import count_signs, smallest_dihedral_angle
+from tetrabench.mesh.quality import count_signs, dihedral_angles, radius_ratios, smallest_dihedral_angle
 
 ONE = np.array([[0, 1, 2, 3]], np.int32)
 
@@ -71,6 +71,7 @@ def test_smallest_angle_is_that_of_the_naive_twin() -> None:
             rest = [arm - arm @ along * along for arm in rest]
             angles.append(math.acos(rest[0] @ rest[1] / np.linalg.norm(rest[0]) / np.linalg.norm(rest[1])))
     assert smallest_dihedral_angle(mesh.points, mesh.tets) == pytest.approx(math.degrees(min(angles)), rel=1e-9)
+    assert dihedral_angles(mesh.points, mesh.tets)[1] == pytest.approx(math.degrees(max(angles)), rel=1e-9)
 
 
 def test_flat_tetras_have_no_angles() -> None:
@@ -79,3 +80,29 @@ def test_flat_tetras_have_no_angles() -> None:
     assert math.isnan(smallest_dihedral_angle(points, np.array([flat], np.int32)))
     expected = pytest.approx(math.degrees(math.atan(math.sqrt(2))))
     assert smallest_dihedral_angle(points, np.array([flat, upright], np.int32)) == expected
+
+
+def test_radius_ratios_are_those_of_the_naive_twin() -> None:
+    """The inscribed radius is 3 V / sum of areas; the circumscribed sphere's centre solves three linear equations."""
+    mesh = generate("nozzle", 150, seed=3)
+    for four, ratio in zip(mesh.points[mesh.tets], radius_ratios(mesh.points, mesh.tets), strict=True):
+        edges = four[1:] - four[0]
+        volume = abs(np.linalg.det(edges)) / 6
+        areas = [np.linalg.norm(np.cross(b - a, c - a)) / 2 for a, b, c in combinations(four, 3)]
+        centre = np.linalg.solve(2 * edges, (edges**2).sum(axis=1))
+        assert ratio == pytest.approx(3 * (3 * volume / sum(areas)) / np.linalg.norm(centre), rel=1e-9)
+
+
+@pytest.mark.parametrize("size", [1e-150, 1.0, 1e150])
+def test_a_regular_tetra_is_as_round_as_can_be_at_any_size(size: float) -> None:
+    regular = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1.0]]) * size
+    with np.errstate(all="ignore"):
+        assert radius_ratios(regular, ONE)[0] == pytest.approx(1.0)
+        assert radius_ratios(regular[::-1].copy(), ONE)[0] == pytest.approx(1.0)
+
+
+def test_flat_and_endless_tetras_are_not_round_at_all() -> None:
+    flat = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0.0]])
+    with np.errstate(all="ignore"):
+        for points in (flat, flat * 0, np.eye(4, 3) * np.inf, np.eye(4, 3) * 1e300):
+            assert radius_ratios(points, ONE).tolist() == [0.0]

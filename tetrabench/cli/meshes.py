@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import is_dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +21,7 @@ from tetrabench.cli.speech import patience, say
 from tetrabench.errors import InputError, RepairableError, find_named
 
 if TYPE_CHECKING:
+    from tetrabench.bench.needs import Forecast
     from tetrabench.io.kinds import Kind
 
 field_option = click.option(
@@ -42,7 +44,8 @@ field_option = click.option(
     help="For people, or for programs.",
 )
 def info(file: Path, repair: str, form: str) -> None:
-    """Describe a mesh, or a file of objects: what it holds, what is wrong with it, what was left out.
+    """Describe a mesh, or a file of objects: what it holds, what is wrong with it, what was left out, how well shaped its
+    cells are, how far apart neighbours are numbered, and about what a run on it needs.
 
     A file that is refused only for tetras that --repair drop leaves out is described without them, and the exit code is
     0: "refusal" in the JSON, or the last line of the table, says that other verbs refuse it. What cannot be described
@@ -62,13 +65,17 @@ def info(file: Path, repair: str, form: str) -> None:
     kind = kind_of(model, kinds)
     with patience(f"inspecting {kind.count(model)}"):
         inspection = replace(kind.inspect(model), refusal=refusal)
+    needs = foresee(kind.family, model)
     if form == "json":
         import msgspec
 
-        click.echo(msgspec.json.format(msgspec.json.encode(inspection), indent=2))
+        told = msgspec.to_builtins(inspection) | {"needs": msgspec.to_builtins(needs)}
+        click.echo(msgspec.json.format(msgspec.json.encode(told), indent=2))
     else:
-        for name, value in describe(inspection):
-            click.echo(f"{name:25}{value}")
+        table = describe(inspection) + ([("", ""), *describe_needs(needs)] if needs else [])
+        width = max(len(name) for name, _ in table) + 2
+        for name, value in table:
+            click.echo(f"{name:{width}}{value}".rstrip())
         for sentence in inspection.warnings:
             click.echo(f"- {sentence}")
         if refusal:
@@ -167,18 +174,61 @@ def all_kinds() -> list[Kind]:
     return [*(family.kind for family in registry.families() if family.kind), *MESHES]
 
 
+def foresee(family: str, model: Any) -> Forecast | None:
+    """What runs on a model would need; None where nobody can say."""
+    from tetrabench import registry
+    from tetrabench.bench.needs import forecast
+
+    needs = registry.family(family).needs(model) if family else None
+    return forecast(family, needs) if needs else None
+
+
 def describe(inspection: Any) -> list[tuple[str, str]]:
-    """The table of `info`: names and values."""
-    rows = []
+    """The table of `info`: names and values, a group for each part that is a dataclass, after an empty row."""
+    rows, groups = [], []
     for name, value in vars(inspection).items():
-        if isinstance(value, dict):
-            text = ", ".join(f"{key} {number:,}" for key, number in value.items())
-        elif isinstance(value, tuple):
-            text = ", ".join(f"{x:.9g}" for x in value)
-        elif isinstance(value, float):
-            text = f"{value:.1f} degrees" if "angle" in name else f"{value:.9g}"
-        else:
-            text = f"{value:,}" if isinstance(value, int) else str(value or "")
-        if name not in ("warnings", "refusal"):
-            rows.append((name.replace("_", " "), text or "none"))
+        if is_dataclass(value):
+            groups += [("", ""), *describe(value)]
+        elif isinstance(value, dict) and any(map(is_dataclass, value.values())):
+            groups += [(f"{name.replace('_', ' ')} of {key}", _spell(vars(part))) for key, part in value.items()]
+        elif name == "advice":
+            groups += [(name, value)] if value else []
+        elif name not in ("warnings", "refusal"):
+            rows.append((name.replace("_", " "), _spell(value, is_angle="angle" in name)))
+    return rows + groups
+
+
+def describe_needs(needs: Forecast) -> list[tuple[str, str]]:
+    """The rows of `info` about what a run would need."""
+    from tetrabench.memory import spell_bytes
+
+    memory = (
+        f"{spell_bytes(needs.run_bytes)} with all backends at once, in groups {spell_bytes(needs.least_bytes)} at least; "
+        f"{spell_bytes(needs.net_bytes)} a net"
+    )
+    rows = [("memory of a run, about", memory)]
+    if needs.quick_s is not None and needs.run_s is not None:
+        rows.append(("time of a run, about", f"{_about(needs.run_s)}, with --quick {_about(needs.quick_s)}"))
     return rows
+
+
+def _about(seconds: float) -> str:
+    """A time to one digit or two, which is as much as an estimate has."""
+    minutes = seconds / 60
+    return f"{max(1, round(minutes))} min" if minutes < 60 else f"{minutes / 60:.1f} h"
+
+
+def _spell_short(number: float) -> str:
+    """One of several numbers, to three digits or more."""
+    return f"{number:,.0f}" if isinstance(number, int) or number >= 100 else f"{number:.3g}"
+
+
+def _spell(value: Any, *, is_angle: bool = False) -> str:
+    """A value of `info` in words."""
+    if isinstance(value, dict):
+        return ", ".join(f"{key} {_spell_short(part)}" for key, part in value.items()) or "none"
+    if isinstance(value, tuple):
+        return ", ".join(str(part) if isinstance(part, int) else f"{part:.9g}" for part in value) or "none"
+    if isinstance(value, float):
+        return f"{value:.1f} degrees" if is_angle else f"{value:.9g}"
+    return f"{value:,}" if isinstance(value, int) else str(value or "none")

@@ -46,6 +46,7 @@ class Kind:
         tell: (model, unused) -> what became of the file that it was read from, a sentence each.
         repairs: what --repair drop does to a file that is refused.
         drawn_by: which verb draws one, "{}" its name, where `view` does not.
+        family: that runs on them are of, "" where nobody can say what these need.
     """
 
     model: type
@@ -64,6 +65,7 @@ class Kind:
     tell: Callable[[Any, str], list[str]]
     repairs: str = ""
     drawn_by: str = ""
+    family: str = ""
 
 
 def is_surface(path: FilePath) -> bool:
@@ -126,6 +128,7 @@ TETRAS = Kind(
     inspect=_inspect_tetras,
     tell=_tell_tetras,
     repairs="leaves these tetras out",
+    family="tetra",
 )
 
 
@@ -181,6 +184,7 @@ POLYGONS = Kind(
     inspect=_inspect_polygons,
     tell=_tell_polygons,
     repairs="mends it",
+    family="polygon",
 )
 
 MESHES = (TETRAS, POLYGONS)

@@ -14,8 +14,8 @@ Pairs = Iterable[tuple[Rows, Rows]]
 FEWEST = 20_000
 """Elements of a mesh whose numbering matters: fewer lie in the caches in any order."""
 WORTH = 4.0
-"""So many times as far apart as along a Hilbert curve, and another order is worth its while: shuffled meshes are hundreds
-of times, those that a mesher numbered layer by layer a few times, which costs nothing (results/README.md)."""
+"""So many times as far apart as along a Hilbert curve, and another order is worth its while: in a shuffled mesh neighbours are
+tens to hundreds of times as far apart, in one numbered layer by layer about as far, which costs little (results/README.md)."""
 
 
 @dataclass(frozen=True)
@@ -79,6 +79,6 @@ def measure_both(
     if len(places) < FEWEST or now.mean < WORTH * then.mean:
         return both, ""
     return both, (
-        f"--numbering hilbert would bring neighbouring {name} from {now.mean:,.0f} rows apart to {then.mean:,.0f} (mean), and "
-        "what walks from neighbour to neighbour would find them in the caches: see `convert`"
+        f"convert --numbering hilbert would bring neighbouring {name} from {now.mean:,.0f} rows apart to {then.mean:,.0f}, on "
+        "average, and into the caches"
     )

@@ -1,6 +1,7 @@
 """inspect_mesh: what a person wants to know about a mesh before working with it."""
 
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,7 +9,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from tetrabench.errors import InputError
-from tetrabench.mesh.quality import signed_volumes, smallest_dihedral_angle
+from tetrabench.mesh.bandwidth import Bandwidth, Pairs, measure_both
+from tetrabench.mesh.quality import dihedral_angles, radius_ratios, signed_volumes
 from tetrabench.mesh.sides import side_neighbours
 from tetrabench.mesh.tetra_mesh import TetraMesh
 
@@ -16,6 +18,43 @@ Integers = NDArray[np.int64]
 
 SIDES = np.array([[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]])  # side i lies opposite vertex i
 EDGES = np.array([[1, 2], [0, 2], [0, 1]])  # edge j of a side lies opposite its vertex j
+
+
+WORST = 5
+"""So many of the worst cells are named."""
+QUANTILES = {"worst": 0.0, "1 %": 0.01, "10 %": 0.1, "median": 0.5, "best": 1.0}
+
+
+@dataclass(frozen=True)
+class TetraQuality:
+    """How well shaped the tetras are.
+
+    Attributes:
+        radius_ratio: 3 times the inscribed radius over the circumscribed one (`quality.radius_ratios`), 1 for a regular tetra,
+            0 for a flat one: quantiles over the tetras; "10 %" is what a tenth of them do not exceed.
+        smallest_dihedral_angle: between two sides of any one tetra, in degrees; None where all are degenerate.
+        largest_dihedral_angle: likewise.
+        worst_tetras: ids of those with the lowest radius ratio, the worst first.
+    """
+
+    radius_ratio: dict[str, float]
+    smallest_dihedral_angle: float | None
+    largest_dihedral_angle: float | None
+    worst_tetras: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Numbering:
+    """How far apart neighbours lie in memory.
+
+    Attributes:
+        distances: of tetras through sides; of points through edges, an edge counted once for each tetra around it; and of
+            both along a Hilbert curve (`mesh.bandwidth`).
+        advice: what another order would give, a sentence; "" where that is little.
+    """
+
+    distances: dict[str, Bandwidth]
+    advice: str
 
 
 @dataclass(frozen=True)
@@ -36,7 +75,6 @@ class Inspection:
         lowest: x, y and z of the bounding box's lowest corner, in the file's unit of length.
         highest: x, y and z of its highest corner.
         volume: sum of the tetras' volumes, each taken as positive, in the cube of that unit.
-        smallest_dihedral_angle: between two sides of any one tetra, in degrees; None where all are degenerate.
         inverted: tetras whose vertex order gives a negative volume.
         degenerate: tetras whose volume is zero to rounding.
         nonmanifold_edges: edges where more than two surface sides meet.
@@ -51,6 +89,8 @@ class Inspection:
         dropped: tetras left out because no net can hold them, reason -> count.
         skipped: cards or cells of the file that are no part of the mesh, name -> count.
         warnings: sentences of the reader.
+        quality: how well shaped the tetras are, see `TetraQuality`.
+        numbering: how far apart neighbours lie in memory, see `Numbering`.
         refusal: why the file is refused unless its faulty tetras are left out; "" where it is not. All the rest is
             about the mesh without them.
     """
@@ -64,7 +104,6 @@ class Inspection:
     lowest: tuple[float, float, float]
     highest: tuple[float, float, float]
     volume: float
-    smallest_dihedral_angle: float | None
     inverted: int
     degenerate: int
     nonmanifold_edges: int
@@ -77,6 +116,8 @@ class Inspection:
     dropped: dict[str, int]
     skipped: dict[str, int]
     warnings: list[str]
+    quality: TetraQuality
+    numbering: Numbering
     refusal: str = ""
 
 
@@ -101,7 +142,7 @@ def inspect_mesh(mesh: TetraMesh) -> Inspection:
     doubled, crossing = compare_places(np.sort(places[surface], axis=1), isolated)
     edges, vertices = count_nonmanifold(surface)
     with np.errstate(all="ignore"):  # a volume may be beyond float64
-        angle = smallest_dihedral_angle(points, tets)
+        quality = judge_shapes(points, tets, mesh.tet_ids)
         volume = float(np.abs(signed_volumes(points, tets)).sum())
     low, high = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
     report = mesh.report
@@ -115,7 +156,6 @@ def inspect_mesh(mesh: TetraMesh) -> Inspection:
         lowest=(low[0], low[1], low[2]),
         highest=(high[0], high[1], high[2]),
         volume=volume,
-        smallest_dihedral_angle=None if np.isnan(angle) else angle,
         inverted=report.inverted,
         degenerate=report.degenerate,
         nonmanifold_edges=edges,
@@ -128,7 +168,54 @@ def inspect_mesh(mesh: TetraMesh) -> Inspection:
         dropped=report.dropped,
         skipped=report.skipped,
         warnings=report.warnings,
+        quality=quality,
+        numbering=judge_numbering(points, tets, neighbours),
     )
+
+
+def judge_shapes(points: NDArray[np.float64], tets: NDArray[np.int32], ids: Integers) -> TetraQuality:
+    """Judge the shapes of tetras, C-contiguous arrays; `ids` (m,)."""
+    ratios = radius_ratios(points, tets)
+    smallest, largest = dihedral_angles(points, tets)
+    return TetraQuality(
+        radius_ratio=quantiles(ratios),
+        smallest_dihedral_angle=None if np.isnan(smallest) else smallest,
+        largest_dihedral_angle=None if np.isnan(largest) else largest,
+        worst_tetras=tuple(ids[find_worst(ratios)].tolist()),
+    )
+
+
+def quantiles(values: NDArray[np.float64]) -> dict[str, float]:
+    """QUANTILES of values, (n,), n > 0."""
+    found = np.quantile(values, [*QUANTILES.values()], method="lower")
+    return dict(zip(QUANTILES, found.tolist(), strict=True))
+
+
+def find_worst(values: NDArray[np.float64]) -> Integers:
+    """Rows of the WORST lowest values, ascending; of equal ones the first."""
+    if len(values) > WORST:
+        bound = np.partition(values, WORST - 1)[WORST - 1]
+        rows = np.flatnonzero(values <= bound)
+    else:
+        rows = np.arange(len(values))
+    return rows[np.argsort(values[rows], kind="stable")][:WORST]
+
+
+def judge_numbering(points: NDArray[np.float64], tets: NDArray[np.int32], neighbours: NDArray[np.int32]) -> Numbering:
+    """Judge the numbering of tetras and of their points: `neighbours` as `side_neighbours` gives them."""
+
+    def through_sides() -> Pairs:
+        rows = np.arange(len(tets), dtype=np.int32)
+        for others in neighbours.T:
+            yield rows[others > rows], others[others > rows]
+
+    def through_edges() -> Pairs:
+        return ((tets[:, one], tets[:, other]) for one, other in combinations(range(4), 2))
+
+    with np.errstate(all="ignore"):  # as above, and points that no tetra uses
+        of_tetras, advice = measure_both("tetras", points[tets].mean(axis=1), through_sides)
+        of_points, _ = measure_both("points", points, through_edges)
+    return Numbering(of_tetras | of_points, advice)
 
 
 def count_components(neighbours: NDArray[np.int32]) -> int:

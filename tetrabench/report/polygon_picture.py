@@ -12,8 +12,8 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection  # type: ignore[import-untyped]
 
-from tetrabench.mesh.polygon.inspection import cell_normals
 from tetrabench.mesh.polygon.numbering import next_nodes
+from tetrabench.mesh.polygon.quality import cell_normals
 from tetrabench.report.picture import DARKEST, EDGE, HEIGHT, LIGHT, RIM, TINY, WIDTH, add_space, add_title, eye, paint
 
 if TYPE_CHECKING:

@@ -26,6 +26,9 @@ class ObjectsInspection:
         speeds: the least and the greatest one, in units of length a step.
         covered: area of all circles over that of the box, those that overlap or are outside counted in full.
         contacts: pairs of objects in contact.
+        stride: mean distance of an object from the next one in the file, over the mean spacing sqrt(width height / objects):
+            about 1 where neighbours in space are neighbours in memory (`convert --numbering hilbert`), as many times that as
+            the box is wide where they are not; None below two objects.
         warnings: sentences of the reader: none so far.
         refusal: "": what is refused cannot be described.
     """
@@ -42,6 +45,7 @@ class ObjectsInspection:
     speeds: tuple[float, ...]
     covered: float
     contacts: int
+    stride: float | None
     warnings: list[str] = field(default_factory=list)
     refusal: str = ""
 
@@ -64,7 +68,16 @@ def inspect_objects(start: Start) -> ObjectsInspection:
         speeds=_range(np.hypot(vx, vy)),
         covered=math.pi * float(np.sum((r / start.width) * (r / start.height))),
         contacts=sweep(x, y, r)[0],
+        stride=_stride(start),
     )
+
+
+def _stride(start: Start) -> float | None:
+    x, y = start.objects.x, start.objects.y
+    if len(x) < 2:
+        return None
+    spacing = math.sqrt(start.width / len(x)) * math.sqrt(start.height)
+    return float(np.mean(np.hypot(np.diff(x), np.diff(y))) / spacing)
 
 
 def count_outside(start: Start) -> int:

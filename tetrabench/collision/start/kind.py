@@ -47,4 +47,5 @@ OBJECTS = Kind(
     inspect=inspect_objects,
     tell=lambda start, unused: [],
     drawn_by="objects are drawn by: tetrabench watch --model {} --steps 0 --record FILE.png",
+    family="collision",
 )

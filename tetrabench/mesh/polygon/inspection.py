@@ -7,9 +7,35 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from tetrabench.mesh.polygon.connect import NOBODY, connect
+from tetrabench.mesh.bandwidth import Pairs, measure_both
+from tetrabench.mesh.inspection import Numbering, find_worst, quantiles
+from tetrabench.mesh.polygon.connect import NOBODY, Connections, connect
 from tetrabench.mesh.polygon.numbering import next_nodes
 from tetrabench.mesh.polygon.polygon_mesh import PolygonMesh
+from tetrabench.mesh.polygon.quality import cell_normals, corner_angles, roundness, spatial
+
+STRAIGHT = 180.001
+"""Degrees: a corner is re-entrant beyond this, and not by rounding alone."""
+
+
+@dataclass(frozen=True)
+class PolygonQuality:
+    """How well shaped the cells are.
+
+    Attributes:
+        roundness: area over that of the regular polygon with as many nodes and the same perimeter (`quality.roundness`):
+            quantiles over the cells; "10 %" is what a tenth of them do not exceed.
+        smallest_angle: inside any cell at any corner, in degrees; None where all cells are without area.
+        largest_angle: likewise.
+        concave: cells with a re-entrant corner.
+        worst_cells: rows, from 0, of the cells that are least round, the worst first.
+    """
+
+    roundness: dict[str, float]
+    smallest_angle: float | None
+    largest_angle: float | None
+    concave: int
+    worst_cells: tuple[int, ...]
 
 
 @dataclass(frozen=True)
@@ -39,6 +65,8 @@ class PolygonInspection:
         dropped: cells left out because no format can hold them, reason -> count.
         skipped: cells of the file that are no polygons, kind -> count.
         warnings: sentences of the reader.
+        quality: how well shaped the cells are, see `PolygonQuality`.
+        numbering: how far apart neighbouring cells, and nodes, lie in memory, see `mesh.inspection.Numbering`.
         refusal: why the file is refused unless --repair drop mends it; "" where it is not. All the rest is about the mesh
             as that mends it.
     """
@@ -64,6 +92,8 @@ class PolygonInspection:
     dropped: dict[str, int]
     skipped: dict[str, int]
     warnings: list[str]
+    quality: PolygonQuality
+    numbering: Numbering
     refusal: str = ""
 
 
@@ -80,7 +110,7 @@ def inspect_polygons(mesh: PolygonMesh) -> PolygonInspection:
     ends = next_nodes(mesh.starts, mesh.nodes)[boundary]
     conditions, sides = np.unique(mesh.conditions[boundary], return_counts=True)
     sizes, counts = np.unique(np.diff(mesh.starts), return_counts=True)
-    report = mesh.report
+    report, normals = mesh.report, cell_normals(mesh)
     return PolygonInspection(
         source=report.source,
         format=report.format,
@@ -95,7 +125,7 @@ def inspect_polygons(mesh: PolygonMesh) -> PolygonInspection:
         nodes_per_cell=dict(zip(map(str, sizes), counts.tolist(), strict=True)),
         lowest=tuple(mesh.points.min(axis=0).tolist()),
         highest=tuple(mesh.points.max(axis=0).tolist()),
-        area=float(np.linalg.norm(cell_normals(mesh), axis=1).sum()),
+        area=float(np.linalg.norm(normals, axis=1).sum()),
         turned=report.turned,
         split=report.split,
         unreferenced=report.unreferenced,
@@ -103,17 +133,45 @@ def inspect_polygons(mesh: PolygonMesh) -> PolygonInspection:
         dropped=report.dropped,
         skipped=report.skipped,
         warnings=report.warnings,
+        quality=judge_shapes(mesh, normals),
+        numbering=judge_numbering(mesh, links),
     )
 
 
-def cell_normals(mesh: PolygonMesh) -> NDArray[np.float64]:
-    """Of the cells, (m, 3): the direction of the side that they are seen counter-clockwise from, as long as their area."""
-    points = np.zeros((len(mesh.points), 3))
-    points[:, : mesh.points.shape[1]] = mesh.points
-    origin = np.repeat(points[mesh.nodes[mesh.starts[:-1]]], np.diff(mesh.starts), axis=0)  # for the sake of the digits
-    one, other = points[mesh.nodes] - origin, points[next_nodes(mesh.starts, mesh.nodes)] - origin
-    normals: NDArray[np.float64] = np.add.reduceat(np.cross(one, other), mesh.starts[:-1], axis=0) / 2
-    return normals
+def judge_shapes(mesh: PolygonMesh, normals: NDArray[np.float64]) -> PolygonQuality:
+    """Judge the shapes of cells: `normals` as `cell_normals` gives them."""
+    round_ = roundness(mesh, normals)
+    angles, owner = corner_angles(mesh, normals), np.repeat(np.arange(mesh.number_of_cells), np.diff(mesh.starts))
+    has_inside = (normals != 0).any(axis=1)[owner]
+    angles, owner = angles[has_inside], owner[has_inside]
+    return PolygonQuality(
+        roundness=quantiles(round_),
+        smallest_angle=float(angles.min()) if len(angles) else None,
+        largest_angle=float(angles.max()) if len(angles) else None,
+        concave=len(np.unique(owner[angles > STRAIGHT])),
+        worst_cells=tuple(find_worst(round_).tolist()),
+    )
+
+
+def judge_numbering(mesh: PolygonMesh, links: Connections) -> Numbering:
+    """Judge the numbering of cells, and of nodes through edges, each counted once."""
+    corners = np.arange(len(mesh.nodes))
+    inner, once = (
+        np.flatnonzero(where) for where in (links.twin > corners, (links.twin > corners) | (links.twin == NOBODY))
+    )
+    ends = next_nodes(mesh.starts, mesh.nodes)
+
+    def through_sides() -> Pairs:
+        return [(links.cell[inner], links.cell[links.twin[inner]])]
+
+    def through_edges() -> Pairs:
+        return [(mesh.nodes[once], ends[once])]
+
+    points, sizes = spatial(mesh), np.diff(mesh.starts)
+    middles = np.add.reduceat(points[mesh.nodes], mesh.starts[:-1], axis=0) / sizes[:, None]
+    of_cells, advice = measure_both("cells", middles, through_sides)
+    of_nodes, _ = measure_both("nodes", points, through_edges)
+    return Numbering(of_cells | of_nodes, advice)
 
 
 def _components(members: int, ones: NDArray[np.integer], others: NDArray[np.integer]) -> int:
