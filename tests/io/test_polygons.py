@@ -106,6 +106,53 @@ def test_an_obj_of_another_program(tmp_path: Path) -> None:
         read_polygons(path)
 
 
+def test_nodes_of_an_obj_may_be_counted_from_the_last_one(tmp_path: Path) -> None:
+    """Relative names are those of the points so far, wherever further points follow; whatever else is said is left out."""
+    text = HOUSE.splitlines()
+    (tmp_path / "house.obj").write_text(HOUSE)
+    mesh = read_polygons(tmp_path / "house.obj")
+    for with_rest in ("{}", "{}/1", "{}//2", "{}/-1/-2"):
+        path, so_far, lines = tmp_path / "a.obj", 0, ["mtllib a.mtl", "vt 0 0", "vn 0 0 1"]
+        for line in text:
+            kind, *words = line.split() or [""]
+            so_far += kind == "v"
+            if kind == "f":
+                named = [int(word.partition("/")[0]) - 1 - so_far for word in words]
+                lines += [
+                    "f " + with_rest.format(named[0]) + " \\",
+                    " ".join(map(with_rest.format, named[1:])) + " # f",
+                ]
+            else:
+                lines.append(line + " 0.5 0.5 0.5" * (kind == "v"))
+        path.write_text("\n".join([*lines, "l -1 -2", "p 1", ""]))
+        other = read_polygons(path)
+        assert cells_of(other) == cells_of(mesh)
+        assert other.points.tolist() == mesh.points.tolist()
+        assert other.report.skipped == {"line": 1, "vertex": 1}
+
+
+def test_what_an_obj_is_refused_for(tmp_path: Path) -> None:
+    path, points = tmp_path / "a.obj", "v 0 0\nv 1 0 0\nv 0 1 0\n"
+    path.write_text(points + "f -3 -2 -1\n")
+    assert read_polygons(path).points.tolist() == [[0, 0], [1, 0], [0, 1]]
+    for text, reason in (
+        (points + "f 1 2 -4\n", ":4: cannot be read as OBJ: a cell names node -4, and 3 are there so far"),
+        (points + "f 0 1 2\n", ":4: cannot be read as OBJ: a cell names node 0, and 3"),
+        (points + "\nf 1 2 x/1\n", ":5: cannot be read as OBJ: invalid literal"),
+        (points + "f 1 2 4\n", ": cell 0 names node 3, but nodes run from 0 to 2"),
+        (points + f"f 1 2 {10**30}\n", ":4: cannot be read as OBJ"),
+        ("v 0 one 0\n", ":1: cannot be read as OBJ: could not convert"),
+        ("v 1\n", ":1: cannot be read as OBJ: a point of 1 coordinates"),
+        (points + "f 1 2 \\\n", ": ends within a statement; is it cut?"),
+        (points + "f 1 2 3", ": ends within a line; is it cut?"),
+        (points + "l 1 2\n", ": holds no polygons; it holds line 1"),
+    ):
+        path.write_text(text)
+        with pytest.raises(InputError) as told:
+            read_polygons(path)
+        assert str(told.value).startswith(f"{path}{reason}"), told.value
+
+
 def test_a_ply_under_either_name_in_text_or_binary(tmp_path: Path) -> None:
     head = "ply\nformat {}\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
     head += "element face 6\nproperty list uchar int {}\n{}end_header\n"

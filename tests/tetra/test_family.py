@@ -2,10 +2,13 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from tetrabench.errors import InputError
 from tetrabench.io import read_mesh, shelf
+from tetrabench.mesh import models
+from tetrabench.mesh.models import SMALL_NOZZLE, generate
 from tetrabench.tetra.family import FAMILY
 
 
@@ -71,3 +74,18 @@ def test_what_can_be_no_file_is_refused(find, tmp_path):
         find("nozle")
     with pytest.raises(InputError, match="no such file"):
         find("a\0b.nas")
+
+
+def test_the_small_nozzle_is_what_its_command_makes(find):
+    shipped, made = read_mesh(find("small-nozzle")), generate("nozzle", 12_000)
+    np.testing.assert_array_equal(shipped.tets, made.tets)
+    np.testing.assert_allclose(shipped.points, made.points, atol=1e-6)  # its digits are few
+    assert "--tets 12k -o small-nozzle.nas" in Path(models.__file__).read_text()
+    assert "small-nozzle" in FAMILY.models
+
+
+def test_the_small_nozzle_has_one_size_and_no_other_order(find):
+    with pytest.raises(InputError, match="small-nozzle is a file: a size or numbering can only be given for nozzle, "):
+        find("small-nozzle", 48)
+    Path("small-nozzle").write_text("of a person's own, and of no suffix")
+    assert find("small-nozzle") == SMALL_NOZZLE

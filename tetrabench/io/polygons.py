@@ -9,8 +9,8 @@
 | .msh (Gmsh 2.2) .mesh .meshb .inp .xdmf .xmf .e .exo .ex2 .avs | as in `tetrabench.io.formats` | triangles and quads |
 | the others of `tetrabench.io.formats` | not written | |
 
-All are read, by meshio but for .npz and .off: cells that are polygons, those with midside nodes by their corners. Only .npz
-has boundary conditions: from other files all sides of the boundary get the same one.
+All are read, by meshio but for .npz, .obj and .off: cells that are polygons, those with midside nodes by their corners. Only
+.npz has boundary conditions: from other files all sides of the boundary get the same one.
 """
 
 import os
@@ -26,14 +26,15 @@ from numpy.typing import NDArray
 from tetrabench.errors import InputError
 from tetrabench.io import NASTRAN, is_file, known_suffix
 from tetrabench.io.formats import BY_SUFFIX, NoCellsError, list_cells, meshio_at_work, raw_mesh, size_of
+from tetrabench.io.obj import read_obj
 from tetrabench.io.off import read_off, write_off
 from tetrabench.memory import held_to_available, refuse_if_too_large
 from tetrabench.mesh.polygon.check import settle
 from tetrabench.mesh.polygon.polygon_mesh import CONDITION, PolygonMesh, PolygonReport
 from tetrabench.mesh.polygon.store import load_polygons, save_polygons
 
-EXACT, OFF = ".npz", ".off"
-OFF_ROOM = 12  # bytes of memory for each byte of a file, measured
+EXACT, OBJ, OFF = ".npz", ".obj", ".off"
+OBJ_ROOM, OFF_ROOM = 11, 12  # bytes of memory for each byte of a file, measured
 ANY = 2**31 - 1
 MOST_NODES = dict.fromkeys((EXACT, ".obj", OFF, ".vtk", ".vtu"), ANY) | {".ply": 255}
 MOST_NODES |= dict.fromkeys((".msh", ".mesh", ".meshb", ".inp", ".xdmf", ".xmf", ".e", ".exo", ".ex2", ".avs"), 4)
@@ -76,8 +77,24 @@ def read_polygons(path: str | os.PathLike[str], *, repair: str = "refuse") -> Po
         raise InputError(f"{path}: there is no such file")
     if suffix == EXACT:
         return load_polygons(file)
-    lists = read_off_lists(file) if suffix == OFF else read_meshio_lists(file)
+    read = {OBJ: read_obj_lists, OFF: read_off_lists}.get(suffix, read_meshio_lists)
+    lists = read(file)
     return settle(lists.points, lists.starts, lists.nodes, report=lists.report, repair=repair)
+
+
+def read_obj_lists(path: Path) -> CellLists:
+    """All cells that an OBJ file holds.
+
+    Raises:
+        NoCellsError: there are none.
+        InputError: see `read_obj`.
+    """
+    refuse_if_too_large(f"reading {path}", OBJ_ROOM * size_of(path))
+    with held_to_available():
+        points, starts, nodes, skipped = read_obj(path)
+    if len(starts) == 1:
+        raise NoCellsError(f"{path}: holds no polygons; it holds {list_cells(skipped)}")
+    return CellLists(points, starts, nodes, PolygonReport(source=str(path), format="OBJ", skipped=dict(skipped)))
 
 
 def read_off_lists(path: Path) -> CellLists:
