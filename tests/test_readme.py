@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from numba import config
 
+from tests.commands import commands_of, run
 from tetrabench.io import write_mesh
 from tetrabench.mesh.models import generate
 
@@ -50,13 +51,24 @@ def test_the_peers_are_those_of_the_committed_run():
         assert f"| {row['operation']} | {row['numbering']} | {row['peer']} | {times} | {interval} |" in page
 
 
-PAGES = [ROOT / "README.md", *(ROOT / "results").glob("*.md"), *(ROOT / "docs").glob("*.md")]
+PAGES = [ROOT / "README.md", *(ROOT / "results").glob("*.md"), *(ROOT / "docs").rglob("*.md")]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: f"{page.parent.name}/{page.name}")
 def test_pictures_and_files_are_there(page):
     for target in re.findall(r"\]\(([^)#:]*)\)", page.read_text()):
         assert (page.parent / target).exists(), target
+
+
+@pytest.mark.skipif(bool(config.DISABLE_JIT), reason="takes hours without the JIT")
+@pytest.mark.xdist_group("docs")
+def test_the_commands_run_as_they_are_printed(tmp_path):
+    asked = commands_of(README)
+    assert [command.text.split()[0] for command in asked if command.why_not] == ["make", "make"]
+    for command in asked:
+        if not command.why_not:
+            done = run(command, tmp_path)
+            assert done.returncode == 0, f"{command.text}\n{done.stdout}"
 
 
 @pytest.mark.skipif(bool(config.DISABLE_JIT), reason="compiled examples")
