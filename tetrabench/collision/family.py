@@ -92,7 +92,7 @@ class CollisionFamily:
     default_model = "uniform"
     size_option = "objects"
     thesis_order = ("motion", "concentration", "weightless", "gravity")
-    tour = Tour("uniform", 10_000, ("kdtree", "grid", "ckdtree"), ("motion", "windows"), "start.csv")
+    tour = Tour("uniform", 10_000, ("kdtree", "grid", "ckdtree"), ("motion",), "start.csv")
     kind = OBJECTS
     rules = RULES
 

@@ -103,9 +103,7 @@ class PolygonFamily:
         "gas-cell",
         "gas-cell-adjacency",
     )
-    tour = Tour(
-        "voronoi", 10_000, ("by-edge", "by-node", "tables"), ("cell-nodes", "node-cells", "gasdynamics"), "cells.vtu"
-    )
+    tour = Tour("voronoi", 10_000, ("by-edge", "by-node", "tables"), ("cell-nodes", "gasdynamics"), "cells.vtu")
     kind = None
     rules = RULES
 
