@@ -18,6 +18,10 @@ def test_the_page_is_that_of_the_code():
     assert [row for row in rows if "`: " not in row] == []
 
 
+def test_it_says_that_it_is_typed():
+    assert (public_api.PAGE.parents[2] / "tetrabench" / "py.typed").is_file()  # of a wheel, see test_packaging
+
+
 def test_every_name_is_there_and_nothing_else_is():
     for name in tetrabench.__all__:
         assert getattr(tetrabench, name) is not None
