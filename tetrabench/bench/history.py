@@ -13,11 +13,15 @@ from typing import Any
 import msgspec
 
 from tetrabench.bench.compare import FACTS, revision_of
-from tetrabench.bench.record import Results
+from tetrabench.bench.record import NO_JSON, Results
+from tetrabench.bench.soundness import is_date
 from tetrabench.bench.statistics import summary
 from tetrabench.errors import InputError
+from tetrabench.printable import printable
 
 SCHEMA = "tetrabench-history/1"
+
+SMALLEST, LARGEST = 1e-12, 1e12  # ratios that a chart can hold
 
 
 class Point(msgspec.Struct, frozen=True, kw_only=True):
@@ -129,10 +133,15 @@ def read_history(path: Path) -> list[Entry]:
             continue
         try:
             entry = msgspec.json.decode(line, type=Entry)
-        except msgspec.DecodeError as error:
-            raise InputError(f"{path}:{number}: no run of a history, or cut off: {error}") from error
+        except NO_JSON as error:
+            reason = printable(f"{error}")
+            raise InputError(f"{path}:{number}: no run of a history, or cut off: {reason}") from error
         if entry.schema != SCHEMA:
-            raise InputError(f"{path}:{number}: schema {entry.schema}, this version reads {SCHEMA}")
+            raise InputError(f"{path}:{number}: schema {printable(entry.schema[:80])}, this version reads {SCHEMA}")
+        if any(not SMALLEST <= x <= LARGEST for one in entry.points for x in (one.ratio, one.low, one.high)):
+            raise InputError(f"{path}:{number}: a ratio that cannot be")
+        if not is_date(entry.date):
+            raise InputError(f"{path}:{number}: {entry.date!r} is no date")
         entries.append(entry)
     return sorted(entries, key=lambda entry: entry.date)
 

@@ -14,8 +14,10 @@ from typing import IO
 import msgspec
 from filelock import FileLock, Timeout
 
-from tetrabench.bench.record import SCHEMA, Backend, Launch, Memory, Results, Sample
+from tetrabench.bench.record import NO_JSON, SCHEMA, Backend, Launch, Memory, Results, Sample
+from tetrabench.bench.soundness import find_fault
 from tetrabench.errors import InputError
+from tetrabench.printable import printable
 
 SUFFIX = ".jsonl"
 _FACTS = ("family", "profile", "tasks", "reference", "effort", "seed")
@@ -196,10 +198,15 @@ def read_journal(path: Path) -> tuple[Results, int]:
     run = lines[0].run
     if run.profile == "thesis":
         lines = lines[: max(number for number, line in enumerate(lines, 1) if line.launch or number == 1)]
-    for line in lines:
+    names = {one.name for one in run.backends}
+    for number, line in enumerate(lines, 1):
+        if line.backend and line.backend.name not in names:
+            raise InputError(f"{path}:{number}: no journal of tetrabench: there is no backend {line.backend.name!r}")
         part = line.backend or line.memory or line.launch or line.sample
         if part is not None:
             run = _with(run, part)
+    if fault := find_fault(run):
+        raise InputError(f"{path}: this journal does not hang together: {fault}")
     return run, sum(len(text) + 1 for text in texts[: len(lines)])
 
 
@@ -208,10 +215,10 @@ def _read_line(path: Path, number: int, text: bytes) -> _Line:
         if number == 1:
             schema = msgspec.json.decode(text, type=_First).run.schema
             if schema not in ("", SCHEMA):
-                raise InputError(f"{path}: schema {schema}, this version goes on with {SCHEMA}")
+                raise InputError(f"{path}: schema {printable(schema[:80])}, this version goes on with {SCHEMA}")
         return msgspec.json.decode(text, type=_Line)
-    except msgspec.DecodeError as error:
-        raise InputError(f"{path}:{number}: no journal of tetrabench: {error}") from error
+    except NO_JSON as error:
+        raise InputError(f"{path}:{number}: no journal of tetrabench: {printable(f'{error}')}") from error
 
 
 def _with(run: Results, part: Backend | Memory | Launch | Sample) -> Results:

@@ -6,12 +6,17 @@ from typing import Any
 
 import msgspec
 
+from tetrabench.bench.soundness import find_fault
 from tetrabench.errors import InputError
+from tetrabench.memory import refuse_if_too_large
+from tetrabench.printable import printable
 
 SCHEMA = "tetrabench-results/1"
 """Its JSON schema is docs/results-1.schema.json. A field that is added keeps the number; all else raises it."""
 
 MEBI = 2**20
+ROOM = 12
+"""Bytes of memory that a byte of a file takes, read: measured 4, rounded up for what is shown of it."""
 
 
 class Model(msgspec.Struct, frozen=True, kw_only=True):
@@ -272,20 +277,29 @@ def read_results(path: Path) -> Results:
     """Read what `save_results` wrote.
 
     Raises:
-        InputError: no such file, not our JSON, or another version's schema.
+        InputError: no such file, not our JSON, another version's schema, or facts that do not hang together;
+            `MemoryRefusedError` where there is not enough memory to read it.
     """
     try:
+        refuse_if_too_large(f"reading {path}", ROOM * path.stat().st_size)
         data = path.read_bytes()
     except OSError as error:
         raise InputError(f"{path}: cannot read results: {error.strerror}") from error
     try:
         schema = msgspec.json.decode(data, type=_Schema).schema
         if schema != SCHEMA:
-            raise InputError(f"{path}: schema {schema or 'unknown'}, this version reads {SCHEMA}")
+            raise InputError(f"{path}: schema {printable(schema[:80]) or 'unknown'}, this version reads {SCHEMA}")
         results: Results = msgspec.json.decode(data, type=Results)
-    except msgspec.DecodeError as error:
-        raise InputError(f"{path}: no results of tetrabench, or cut off: {error}") from error
+    except NO_JSON as error:
+        reason = printable(f"{error}")
+        raise InputError(f"{path}: no results of tetrabench, or cut off: {reason}") from error
+    if fault := find_fault(results):
+        raise InputError(f"{path}: these results do not hang together: {fault}")
     return results
+
+
+NO_JSON = (msgspec.DecodeError, UnicodeDecodeError, RecursionError)
+"""What msgspec raises for what is no JSON, no text, or nested without end."""
 
 
 class _Schema(msgspec.Struct):

@@ -1,5 +1,6 @@
 """The charts of a run: time by task and memory, after the source's figures 10 and 11, and growth over sizes."""
 
+import re
 import textwrap
 from collections.abc import Sequence
 from functools import cache
@@ -12,6 +13,7 @@ from matplotlib.patches import Patch
 from tetrabench.bench.record import Results
 from tetrabench.bench.statistics import ALIKE, CLEAR, Row, summary, summary_against
 from tetrabench.errors import InputError
+from tetrabench.printable import printable
 from tetrabench.report.bars import draw_bars
 from tetrabench.report.canvas import SMALL, WIDTH, Sign, legend_of, make_figure
 from tetrabench.report.cells import MISSING, ratio_of, word_of
@@ -21,6 +23,7 @@ from tetrabench.report.line_charts import draw_curves, draw_series
 from tetrabench.report.memory import memory_of
 from tetrabench.report.notes import about_clock, about_machine, fewer_than_asked
 from tetrabench.report.parts import Part, make_parts
+from tetrabench.report.plain import plain
 from tetrabench.report.series import courses_of
 from tetrabench.report.style import EDGE, Style, make_styles
 from tetrabench.report.units import counted, duration, one_of
@@ -28,6 +31,7 @@ from tetrabench.report.units import counted, duration, one_of
 PANEL = 6  # groups of dots side by side
 DOTS = 48  # dots, or bars, side by side
 CURVES = 4  # panels of curves side by side
+NO_FILE = r'[\s/\\:*?"<>|]'  # signs that no file is to have in its name, wherever it lies
 LETTER = 0.09  # inches, of a name below a bar
 
 
@@ -41,6 +45,7 @@ def draw_charts(results: Results, folder: Path, suffix: str = ".png") -> list[Pa
     Raises:
         InputError: the folder cannot be written to.
     """
+    results = plain(results)
     rows = summary(results)
     charts: dict[str, Figure] = {}
     for part in make_parts(results, rows):
@@ -55,7 +60,7 @@ def draw_charts(results: Results, folder: Path, suffix: str = ".png") -> list[Pa
     for curves in curves_over_options(results, rows, against) + curves_over_counts(results, rows):
         words = ("option", curves.model, curves.task, curves.contestant, curves.option)
         charts["-".join(filter(None, words))] = draw_curves(results, curves)
-    paths = [folder / f"{name.replace('/', '-').replace(' ', '-')}{suffix}" for name in charts]
+    paths = [folder / f"{re.sub(NO_FILE, '-', printable(name))}{suffix}" for name in charts]
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for path, figure in zip(paths, charts.values(), strict=True):

@@ -4,10 +4,12 @@ The runner reads annotations, "workflow commands", from the lines of a step's ou
 the same text can be appended to $GITHUB_STEP_SUMMARY. See "Workflow commands for GitHub Actions" in GitHub's manual.
 """
 
+import re
 from collections.abc import Iterator
 
 from tetrabench.bench.record import Results
 from tetrabench.bench.statistics import BAD, summary
+from tetrabench.printable import printable
 from tetrabench.report.notes import about_end
 from tetrabench.report.table import as_markdown
 
@@ -48,7 +50,7 @@ def annotation(level: str, title: str, message: str) -> str:
 
 def _escape(text: str, more: str = "") -> str:
     """What would end the command, or the comment that it stands in, as its code in percent."""
-    escaped = text.replace("%", "%25").replace("-->", "--%3E")
+    escaped = re.sub("(--!?)>", r"\1%3E", text.replace("%", "%25"))
     for sign in f"\r\n{more}":
         escaped = escaped.replace(sign, f"%{ord(sign):02X}")
-    return escaped
+    return printable(escaped)

@@ -72,6 +72,7 @@ def _benchmark(samples: Sequence[Sample], clock: str, launches: dict[tuple[str, 
 def _about(launch: Launch | None) -> dict[str, Any]:
     if launch is None:
         return {}
-    begun = datetime.fromisoformat(launch.begun).replace(tzinfo=None)  # pyperf's dates have no zone
+    begun = datetime.fromisoformat(launch.begun).replace(tzinfo=None) if launch.begun else None  # it knows no zones
+    date = {"date": begun.isoformat(sep=" ")} if begun else {}
     load = {"load_avg_1min": launch.load_1_minute} if launch.load_1_minute is not None else {}
-    return {"date": begun.isoformat(sep=" "), "cpu_affinity": str(launch.core), **load}
+    return {**date, "cpu_affinity": str(launch.core), **load}

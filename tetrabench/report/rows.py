@@ -31,9 +31,16 @@ def as_json(results: Results) -> str:
 
 
 def as_csv(results: Results) -> str:
-    """A line for each row (see statistics.Row), the names of its fields in the first; what is unknown is empty."""
+    """A line for each row (see statistics.Row), the names of its fields in the first; what is unknown is empty.
+
+    A name that a spreadsheet would take for a formula gets an apostrophe before it.
+    """
     page = io.StringIO()
     writer = csv.writer(page, lineterminator="\n")
     writer.writerow(Row.__struct_fields__)
-    writer.writerows(map(msgspec.structs.astuple, summary(results)))
+    writer.writerows([_no_formula(field) for field in msgspec.structs.astuple(row)] for row in summary(results))
     return page.getvalue()
+
+
+def _no_formula(field: Any) -> Any:
+    return f"'{field}" if isinstance(field, str) and field.startswith(("=", "+", "-", "@", "\t", "\r")) else field

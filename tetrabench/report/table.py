@@ -10,6 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from tetrabench.bench.record import Results
+from tetrabench.printable import printable
 from tetrabench.report.pages import pages_of
 from tetrabench.report.sheets import Pages, Sheet
 
@@ -57,7 +58,7 @@ def text_of(pages: Pages, *, colour: bool = False) -> str:
     console = Console(file=io.StringIO(), width=1000, force_terminal=colour, highlight=False)
     with console.capture() as capture:
         for sheet in pages.sheets:
-            console.print(Text(sheet.title, "bold"), "", _set(sheet), "", sep="\n")
+            console.print(Text(printable(sheet.title), "bold"), "", _set(sheet), "", sep="\n")
             if sheet.notes:
                 console.print(*map(_wrap, sheet.notes), "", sep="\n")
         console.print(*map(_wrap, pages.notes), sep="\n")
@@ -69,10 +70,10 @@ def markdown_of(pages: Pages) -> str:
     blocks = []
     for sheet in pages.sheets:
         rows = [[cell.text for cell in row] for row in (*sheet.rows, *sheet.costs)]
-        lines = [_line(sheet.head), _line(["---", *["---:"] * (len(sheet.head) - 1)])] + [
+        lines = [_line(list(map(_harmless, sheet.head))), _line(["---", *["---:"] * (len(sheet.head) - 1)])] + [
             _line(_escape(row)) for row in rows
         ]
-        blocks += [f"**{sheet.title}**", "\n".join(lines)]
+        blocks += [f"**{_harmless(sheet.title)}**", "\n".join(lines)]
         blocks += ["\n".join(f"- {note}" for note in _escape(sheet.notes))] if sheet.notes else []
     return "\n\n".join([*blocks, "\n".join(f"- {note}" for note in _escape(pages.notes))]) + "\n"
 
@@ -81,16 +82,16 @@ def _set(sheet: Sheet) -> Table:
     table = Table(box=SIMPLE_HEAD, show_edge=False, padding=0, header_style="bold")
     for place, name in enumerate(sheet.head):
         if place:
-            table.add_column(Text(name), justify="right", no_wrap=True, min_width=6)
+            table.add_column(Text(printable(name)), justify="right", no_wrap=True, min_width=6)
         else:
-            table.add_column(Text(name), max_width=FIRST)
+            table.add_column(Text(printable(name)), max_width=FIRST)
     for row in (*sheet.rows, *([[], *sheet.costs] if sheet.costs else [])):
-        table.add_row(*(Text(cell.text, _STYLES.get(cell.verdict, "")) for cell in row))
+        table.add_row(*(Text(printable(cell.text), _STYLES.get(cell.verdict, "")) for cell in row))
     return table
 
 
 def _wrap(note: str) -> Text:
-    kept = note.replace(" %", "\N{NO-BREAK SPACE}%")
+    kept = printable(note).replace(" %", "\N{NO-BREAK SPACE}%")
     lines = textwrap.fill(kept, WIDTH, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)
     return Text(lines.replace("\N{NO-BREAK SPACE}", " "))
 
@@ -101,4 +102,9 @@ def _line(cells: list[str]) -> str:
 
 def _escape(texts: list[str]) -> list[str]:
     """What Markdown would take for its own."""
-    return [re.sub(r"([~*<|])", r"\\\1", text) for text in texts]
+    return [re.sub(r"([~*])", r"\\\1", _harmless(text)) for text in texts]
+
+
+def _harmless(text: str) -> str:
+    """A text that begins no tag, link, picture or cell of its own. (Backticks stay: notes quote commands.)"""
+    return re.sub(r"([<|\[])", r"\\\1", printable(text))

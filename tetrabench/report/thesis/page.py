@@ -16,6 +16,7 @@ from tetrabench import registry
 from tetrabench.bench.record import Results, write_whole
 from tetrabench.bench.statistics import ALIKE, CLEAR, SHORTEST_S
 from tetrabench.errors import InputError
+from tetrabench.printable import printable
 from tetrabench.report.cells import MISSING
 from tetrabench.report.thesis.comparison import (
     At,
@@ -429,7 +430,7 @@ def _markdown(block: Block, figures: Mapping[str, str]) -> str:
 
 def _plain(text: str) -> str:
     """On one line, and without what Markdown would take for its own."""
-    return re.sub(r"([\\`*<>|~\[\]])", r"\\\1", " ".join(text.split()))
+    return re.sub(r"([\\`*<>|~\[\]])", r"\\\1", printable(" ".join(text.split())))
 
 
 def _html(block: Block, figures: Mapping[str, str]) -> str:
