@@ -23,7 +23,7 @@ from tetrabench.report.line_charts import draw_curves, draw_series
 from tetrabench.report.memory import memory_of
 from tetrabench.report.notes import about_clock, about_machine, fewer_than_asked
 from tetrabench.report.parts import Part, make_parts
-from tetrabench.report.plain import plain
+from tetrabench.report.plain import no_formula, plain
 from tetrabench.report.series import courses_of
 from tetrabench.report.style import EDGE, Style, make_styles
 from tetrabench.report.units import counted, duration, one_of
@@ -45,7 +45,7 @@ def draw_charts(results: Results, folder: Path, suffix: str = ".png") -> list[Pa
     Raises:
         InputError: the folder cannot be written to.
     """
-    results = plain(results)
+    results = plain(results, no_formula)
     rows = summary(results)
     charts: dict[str, Figure] = {}
     for part in make_parts(results, rows):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from tetrabench.bench.history import Entry, Point
 from tetrabench.errors import InputError, find_named
-from tetrabench.report.plain import plain
+from tetrabench.report.plain import no_formula, plain
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,7 +37,7 @@ def draw_history(
     from matplotlib.figure import Figure
     from matplotlib.ticker import LogLocator, NullLocator
 
-    entries = plain([*entries])
+    entries = plain([*entries], no_formula)
     panels = _panels(entries, scenarios, backends)
     names = list(dict.fromkeys(one.backend for entry in entries for one in entry.points))
     names = [name for name in names if backends is None or name in backends]

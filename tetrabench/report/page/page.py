@@ -14,6 +14,7 @@ import msgspec
 from tetrabench import registry
 from tetrabench.bench.record import Results
 from tetrabench.errors import InputError
+from tetrabench.printable import printable
 from tetrabench.report.advice.recommend import recommend_usual, unmeasured
 from tetrabench.report.advice.words import overview_of
 from tetrabench.report.page import figures, line_figures, tables
@@ -23,6 +24,7 @@ from tetrabench.report.page.looks import PATHS, looks_of, shapes_of
 from tetrabench.report.page.subjects import ABSOLUTE, OWN, Run, Subject, bases_of, make_runs, make_subjects
 from tetrabench.report.page.tables import Table
 from tetrabench.report.pages import pages_of
+from tetrabench.report.plain import plain
 from tetrabench.report.sheets import Pages
 from tetrabench.report.units import one_of, plural
 
@@ -80,7 +82,7 @@ def make_page(
     Raises:
         InputError: there is nothing to show, or the extra `report` is not installed.
     """
-    named = make_runs(runs)
+    named = make_runs([(printable(name), plain(results)) for name, results in runs])
     subjects = make_subjects(named)
     bases = bases_of(subjects)
     looks = looks_of(subjects)
