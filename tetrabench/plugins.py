@@ -19,6 +19,7 @@ from types import ModuleType
 from typing import Any
 
 from tetrabench.errors import InputError, PluginWarning
+from tetrabench.printable import printable
 from tetrabench.protocols import Contestant, Family, Option, Scenario
 
 OURS = "tetrabench"
@@ -71,7 +72,7 @@ def skip(owner: str, reason: object) -> None:
     Raises:
         InputError: it is a part of tetrabench itself.
     """
-    sentence = " ".join(f"plug-in {owner}: {reason}".split())
+    sentence = printable(" ".join(f"plug-in {owner}: {reason}".split()))
     if owner == OURS:
         raise InputError(sentence)
     if sentence not in _skipped:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tetrabench.errors import PluginWarning
+from tetrabench.printable import printable
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -26,8 +27,8 @@ WIDTH = 100  # where there is no terminal to fit into
 
 
 def say(message: str) -> None:
-    """A message to the person, apart from what was asked for."""
-    click.echo(message, err=True)
+    """A message to the person, apart from what was asked for; a file's words in it move no cursor."""
+    click.echo("\n".join(map(printable, message.split("\n"))), err=True)
 
 
 @contextlib.contextmanager

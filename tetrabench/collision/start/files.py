@@ -22,16 +22,17 @@ from typing import Any
 
 import numpy as np
 
+from tetrabench.archive import open_archive
 from tetrabench.collision.objects import Floats, Objects, Start, check_box, make_objects
 from tetrabench.collision.start.models import MASS, MODELS, RADIUS
-from tetrabench.errors import InputError
+from tetrabench.errors import InputError, MemoryRefusedError
 from tetrabench.io import is_file, known_suffix
 from tetrabench.memory import refuse_if_too_large
 
 EXACT, TABLE = ".npz", ".csv"
 DEFAULTS = {"vx": 0.0, "vy": 0.0, "r": RADIUS, "m": MASS}
 BOX, SOURCE = "box", "source"
-EXACT_ROOM, TABLE_ROOM = 3, 200  # bytes of memory for each byte of a file, and for each line: measured, rounded up
+TABLE_ROOM = 200  # bytes of memory for each line: measured, rounded up
 
 
 def read_objects(path: str | os.PathLike[str]) -> Start:
@@ -97,7 +98,7 @@ def holds_objects(path: str | os.PathLike[str]) -> bool:
     suffix = Path(path).suffix.lower()
     if suffix == EXACT:
         try:
-            with open(path, "rb") as file, np.load(file) as archive:
+            with open(path, "rb") as file, open_archive(Path(path), file) as archive:
                 return {*Objects._fields, BOX} <= {*archive.files}
         except Exception:  # no file, or damaged: whoever reads it says so
             return False
@@ -109,15 +110,14 @@ def holds_objects(path: str | os.PathLike[str]) -> bool:
 
 def read_exact(path: Path) -> Start:
     """Read what `write_exact` wrote; sums in the file tell damage."""
-    refuse_if_too_large(f"reading {path}", EXACT_ROOM * path.stat().st_size)
     try:
-        with path.open("rb") as file, np.load(file) as archive:
+        with path.open("rb") as file, open_archive(path, file) as archive:
             is_other = not {*Objects._fields, BOX, SOURCE} <= {*archive.files}
             if not is_other:
                 columns = [archive[name] for name in Objects._fields]
                 width, height = map(float, archive[BOX])
                 source = archive[SOURCE].tobytes().decode(errors="surrogateescape")
-    except OSError:
+    except (OSError, MemoryRefusedError):
         raise
     except Exception as error:  # numpy and zipfile raise anything
         raise InputError(f"{path}: damaged, or not objects as tetrabench writes them; make it again") from error

@@ -10,8 +10,8 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from tetrabench.errors import InputError
-from tetrabench.memory import refuse_if_too_large
+from tetrabench.archive import open_archive
+from tetrabench.errors import InputError, MemoryRefusedError
 from tetrabench.mesh.polygon.connect import belong_together
 from tetrabench.mesh.polygon.polygon_mesh import PolygonMesh, PolygonReport
 
@@ -61,11 +61,12 @@ def load_polygons(path: str | os.PathLike[str]) -> PolygonMesh:
             file = stack.enter_context(open(path, "rb"))
         except OSError as error:
             raise InputError(f"{path}: cannot be read: {error.strerror or error}") from error
-        refuse_if_too_large(f"{path}", os.fstat(file.fileno()).st_size)
         try:
-            with np.load(file) as archive:
+            with open_archive(Path(path), file) as archive:
                 arrays = {name: archive[name] for name in ARRAYS}
                 report = msgspec.convert(json.loads(archive[REPORT].tobytes()), PolygonReport)
+        except MemoryRefusedError:
+            raise
         except Exception as error:  # numpy and zipfile raise anything, MemoryError where a size is damaged
             raise broken from error
     mesh = PolygonMesh(**arrays, report=report)
