@@ -36,6 +36,12 @@ def test_it_takes_part_in_a_run(mine, tmp_path):
     assert "tetrabench run --model my-box --plugin mine.py --backend v3,my-v3" in told
 
 
+def test_the_command_names_it_from_here(mine, monkeypatch):
+    monkeypatch.chdir(mine.parent.parent)
+    told = say("run", "--model", "box", "--tets", "300", "--plugin", mine, "--backend", "my-v3", "--dry-run").stdout
+    assert f"--plugin {mine.parent.name}/mine.py " in told
+
+
 def test_its_model_is_generated(mine, tmp_path):
     done = say("generate", "my-box", "--tets", "400", "-o", tmp_path / "box.nas", "--plugin", mine)
     assert done.exit_code == 0, done.output

@@ -80,6 +80,13 @@ def test_what_is_said_of_one_tetra_is_what_is_said_of_all(build, rng):
             ask(-1)
 
 
+def test_what_it_says_of_itself(build):
+    net = build(pair())
+    assert repr(net) == f"<TetraNet {net.contestant.name}: 2 tetras, 5 points>"
+    net.close()
+    assert repr(net) == f"<TetraNet {net.contestant.name}: closed>"
+
+
 def test_points_one_by_one(build):
     net = build(pair())
     assert net.number_of_points == 5

@@ -188,7 +188,7 @@ def make_plan(
         asked,
         "check" if profile == "check" else "run",
         family=family if family != "tetra" else None,
-        plugin=[path.name for path in plugins.files()],
+        plugin=[_from_here(path) for path in plugins.files()],
         backend=backends,
         scenario=scenarios,
         reference=called if called != kind.reference else None,
@@ -400,6 +400,14 @@ def _choose_effort(profile: str, launches: int | None, rounds: int | None, conte
     if profile in ("default", "rigorous") and launches is None:
         launches = max(effort.launches, fewest_launches(contestants))
     return msgspec.structs.replace(effort, launches=launches or effort.launches, rounds=rounds or effort.rounds)
+
+
+def _from_here(path: Path) -> str:
+    """A file as it is named from the current folder, if it lies below; else its name alone: runs tell nothing of a machine."""
+    try:
+        return path.relative_to(Path.cwd()).as_posix()
+    except ValueError:
+        return path.name
 
 
 def _command(model: str, verb: str, **flags: object) -> str:

@@ -246,13 +246,15 @@ def main() -> None:
     requests, replies = _move_pipes()
     warnings.simplefilter("ignore", PluginWarning)  # whoever asks is told (`Described.skipped`), once
     worker = Worker()
-    with held_to_available():
+    with held_to_available(), suppress(BrokenPipeError):  # nobody is there any more who asked
         for line in requests:
             replies.write(_spell(worker.serve(decode_request(line))))
             replies.flush()
             with suppress(Exception):  # a contestant may have closed it
                 sys.stdout.flush()  # what it printed appears when it printed it
         worker.close()
+    with suppress(OSError):
+        replies.close()  # here rather than at the end of the interpreter, which would complain
 
 
 def _spell(reply: Reply) -> bytes:

@@ -602,6 +602,8 @@ class TetraNet:
         return _restore, (self.to_mesh(), self.contestant, self.states)
 
     def __repr__(self) -> str:
+        if not self.is_open:
+            return f"<TetraNet {self.contestant.name}: closed>"
         return f"<TetraNet {self.contestant.name}: {len(self):,} tetras, {len(self.points):,} points>"
 
 

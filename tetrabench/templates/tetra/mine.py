@@ -2,7 +2,8 @@
 
 It works as it is: one array for each field of a tetra. Begin with the class, then let the functions follow. Each says what the
 rest of tetrabench relies on; `tetrabench check --contestant mine` says where yours do not keep to it. They are inlined into
-the kernels that call them: keep them small, and use what numba can compile.
+the kernels that call them: keep them small, and use what numba can compile. Refs index as unsigned numbers: with signed ones
+numba looks at every access whether to count from the end.
 
 Words: `t` is the ref of a tetra, here the index of its slot. Side i is the face opposite vertex i; i is 0 to 3. k counts
 coordinates, 0 to 2, or states, 0 to 4. A slot may hold anything until its fields are set.
@@ -86,85 +87,85 @@ def capacity(net):
 @implements(interface.vertex, Mine)
 def vertex(net, t, i):
     """The ref of vertex i, as int64, however it is stored."""
-    return np.int64(net.layout.vertex[t, i])
+    return np.int64(net.layout.vertex[np.uint64(t), i])
 
 
 @implements(interface.set_vertex, Mine)
 def set_vertex(net, t, i, point):
     """Store the ref of vertex i. The order of the vertices is to be kept: sides go by it."""
-    net.layout.vertex[t, i] = point
+    net.layout.vertex[np.uint64(t), i] = point
 
 
 @implements(interface.neighbour, Mine)
 def neighbour(net, t, i):
     """The tetra behind side i, as int64, -1 at the surface."""
-    return np.int64(net.layout.neighbour[t, i])
+    return np.int64(net.layout.neighbour[np.uint64(t), i])
 
 
 @implements(interface.set_neighbour, Mine)
 def set_neighbour(net, t, i, other):
     """Store the tetra behind side i; the other side of it is stored by another call."""
-    net.layout.neighbour[t, i] = other
+    net.layout.neighbour[np.uint64(t), i] = other
 
 
 @implements(interface.volume, Mine)
 def volume(net, t):
     """The volume as it was stored, to the last bit. The slot policy marks free slots by -1 here, so it has to be kept."""
-    return net.layout.volume[t]
+    return net.layout.volume[np.uint64(t)]
 
 
 @implements(interface.set_volume, Mine)
 def set_volume(net, t, value):
     """Store the volume, or the mark of a free slot."""
-    net.layout.volume[t] = value
+    net.layout.volume[np.uint64(t)] = value
 
 
 @implements(interface.centroid, Mine)
 def centroid(net, t, k):
     """Coordinate k of the centroid as it was stored, to the last bit."""
-    return net.layout.centroid[t, k]
+    return net.layout.centroid[np.uint64(t), k]
 
 
 @implements(interface.set_centroid, Mine)
 def set_centroid(net, t, k, value):
     """Store coordinate k of the centroid."""
-    net.layout.centroid[t, k] = value
+    net.layout.centroid[np.uint64(t), k] = value
 
 
 @implements(interface.side_area, Mine)
 def side_area(net, t, i):
     """The area of side i as it was stored, to the last bit."""
-    return net.layout.side_area[t, i]
+    return net.layout.side_area[np.uint64(t), i]
 
 
 @implements(interface.set_side_area, Mine)
 def set_side_area(net, t, i, value):
     """Store the area of side i. Neighbours share a side, yet each stores its own."""
-    net.layout.side_area[t, i] = value
+    net.layout.side_area[np.uint64(t), i] = value
 
 
 @implements(interface.side_normal, Mine)
 def side_normal(net, t, i, k):
     """Coordinate k of the outward normal of side i as it was stored, to the last bit."""
-    return net.layout.side_normal[t, i, k]
+    return net.layout.side_normal[np.uint64(t), i, k]
 
 
 @implements(interface.set_side_normal, Mine)
 def set_side_normal(net, t, i, k, value):
     """Store coordinate k of the normal of side i."""
-    net.layout.side_normal[t, i, k] = value
+    net.layout.side_normal[np.uint64(t), i, k] = value
 
 
 @implements(interface.state, Mine)
 def state(net, t, k):
     """Entry k of the state vector as it was stored, to the last bit. What sweeps read and write most."""
-    return net.layout.state[t, k]
+    return net.layout.state[np.uint64(t), k]
 
 
 @implements(interface.set_state, Mine)
 def set_state(net, t, k, value):
     """Store entry k of the state vector."""
-    net.layout.state[t, k] = value
+    net.layout.state[np.uint64(t), k] = value
 
 
 # How free slots are found, skipped and filled is the slot policy's: `make_slots`. It may be one of your own, too: see the
