@@ -370,13 +370,18 @@ def prepare_ply(path: Path) -> io.BytesIO:
     """Both names that the nodes of a face go by are usual, and meshio takes the cells for none under one of them.
 
     Raises:
-        InputError: a binary file with values of its faces, where meshio loses its place.
+        InputError: a binary file with values of its faces, where meshio loses its place; or a head without an end, which
+            it looks for beyond the end of the file, for ever.
     """
-    head, mark, rest = path.read_bytes().partition(b"end_header")
+    data = path.read_bytes()
+    end = re.search(rb"(?m)^[ \t]*end_header[ \t\r]*$", data)
+    if end is None:
+        raise InputError(f"{path}: has no line 'end_header'; is it cut?")
+    head, rest = data[: end.start()], data[end.start() :]
     if b"format ascii" not in head and head[head.find(b"element face") :].count(b"\nproperty ") > 1:
         raise InputError(f"{path}: has values of its faces, such as colours; write it without them, or as text")
     head = re.sub(rb"(?m)^(property list \w+ \w+) vertex_index\b", rb"\1 vertex_indices", head)
-    return io.BytesIO(head + mark + rest)
+    return io.BytesIO(head + rest)
 
 
 def prepare_obj(path: Path) -> io.StringIO:
