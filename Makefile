@@ -9,6 +9,8 @@ OUT ?= out
 BASE ?= $(shell git rev-parse --quiet --verify origin/main >/dev/null && echo origin/main || echo HEAD~1)
 GATE = --model nozzle --tets 30k --backend v3y,v4 --scenario alfa,flow
 FORMAT ?= table
+FUZZ ?= results journal history plugin obj off ply vtu polygons-npz objects-npz objects-csv
+FUZZ_SECONDS ?= 300
 
 .PHONY: run test docs dist test-dist test-versions test-all lint types bench-native bench-peers bench-cgal bench-polygon-peers gate gate-selftest measuring schema fuzz results reference screenshots thesis clean help
 
@@ -81,7 +83,8 @@ measuring: $(VENV)/measuring  ## is the harness to be believed? beside pyperf, p
 schema: $(BIN)/tetrabench  ## the published schema of results files, made anew from their records
 	$(BIN)/python -m tetrabench.bench.schema > docs/results-1.schema.json
 
-fuzz: $(VENV)/developing  ## a million mutated decks through the Nastran reader (hours)
+fuzz: $(VENV)/fuzzing  ## what is read, on trial: each reader some minutes by coverage, then a million mutated decks (hours)
+	for target in $(FUZZ); do $(BIN)/python -m tests.fuzz $$target --seconds $(FUZZ_SECONDS) --corpus $(OUT)/fuzz || exit 1; done
 	NUMBA_BOUNDSCHECK=1 $(BIN)/python -m tests.io.fuzz_nastran
 
 results: $(BIN)/tetrabench  ## repeat the committed reference run and what README.md shows of it
@@ -119,6 +122,11 @@ $(VENV)/peers: $(VENV)/developing pyproject.toml
 	@echo 'installing the packages that tetrabench is compared with'
 	@$(BIN)/python -m pip install -qq --no-build-isolation -e '.[peers]'
 	@touch $(BIN)/tetrabench $(VENV)/developing $@
+
+$(VENV)/fuzzing: $(VENV)/developing
+	@echo 'installing what fuzzes by coverage'
+	@$(BIN)/python -m pip install -qq 'atheris>=3.0'
+	@touch $@
 
 $(VENV)/measuring: $(VENV)/developing pyproject.toml
 	@echo 'installing the tools that tetrabench is compared with'

@@ -44,3 +44,23 @@ def test_an_array_that_claims_to_be_huge_is_damaged(reader: Callable, shape: tup
 def _digits(number: int) -> str:
     """Also of numbers that Python is loath to write."""
     return str(number) if number < 10**4000 else "9" * 4301
+
+
+@READERS
+@pytest.mark.parametrize("text", [b"", b"no array", b"\x93NUMPY", b"\x93NUMPX" + bytes(100)])
+def test_a_member_that_is_no_array_is_damaged(reader: Callable, text: bytes, tmp_path: Path):
+    """Found by fuzzing: numpy gives its bytes."""
+    names = ("points", "starts", "nodes", "conditions", "x", "y", "vx", "vy", "r", "m")
+    with zipfile.ZipFile(tmp_path / "made.npz", "w") as archive:
+        for name in names:
+            archive.writestr(f"{name}.npy", text)
+    with zipfile.ZipFile(tmp_path / "made.npz", "a") as archive:
+        for name, array in {
+            "report": np.frombuffer(b"{}", np.uint8),
+            "box": np.ones(2),
+            "source": np.ones(2, np.uint8),
+        }.items():
+            with archive.open(f"{name}.npy", "w") as file:
+                np.lib.format.write_array(file, array)
+    with pytest.raises(InputError, match=r"made\.npz: .*(damaged|a list of numbers is needed)"):
+        reader(tmp_path / "made.npz")

@@ -77,7 +77,8 @@ def load_polygons(path: str | os.PathLike[str]) -> PolygonMesh:
 
 def has_shape(mesh: PolygonMesh) -> bool:
     """Whether the arrays have the types and shapes that PolygonMesh says."""
-    if any(getattr(mesh, name).dtype != dtype for name, dtype in ARRAYS.items()):
-        return False
+    arrays: dict[str, Any] = {name: getattr(mesh, name) for name in ARRAYS}
+    if any(not isinstance(array, np.ndarray) or array.dtype != ARRAYS[name] for name, array in arrays.items()):
+        return False  # what does not begin as an array comes as bytes
     flat = mesh.starts.ndim == mesh.nodes.ndim == mesh.conditions.ndim == 1
     return flat and mesh.points.ndim == 2 and mesh.points.shape[1] in (2, 3) and belong_together(mesh)
