@@ -29,9 +29,7 @@ from tetrabench.tetra.locate import Grid, locate
 from tetrabench.tetra.nearest import make_stack, nearest_points
 from tetrabench.tetra.points import COUNT, EDITS
 
-PEAK = (
-    390.0  # bytes a tetra while a net is built: measured 300 with arrays, 372 with linked nodes, of 10 million tetras
-)
+PEAK = 390.0  # bytes a tetra while a net is built: measured 300 with arrays, 372 with linked nodes (10 M tetras)
 
 
 class TetraNet:
