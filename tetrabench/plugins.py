@@ -153,13 +153,16 @@ def _reader(path: Path, name: str) -> Callable[[], Any]:
 
 
 def _module(path: Path) -> ModuleType:
-    """A file as a module; once in a process, as any import. Its name follows from its path, for kernels are kept by it."""
-    digest = hashlib.sha256(os.fsencode(path)).hexdigest()[:8]
+    """A file as a module; once in a process, as any import.
+
+    Its name follows from its content: kernels that are kept on disk know it by that name, wherever it lies.
+    """
+    if not path.is_file():
+        raise PluginError(f"there is no file {path}")
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()[:8]
     name = re.sub(r"\W", "_", f"{path.stem}_{digest}")
     if name in sys.modules:
         return sys.modules[name]
-    if not path.is_file():
-        raise PluginError(f"there is no file {path}")
     spec = spec_from_file_location(name, path)
     if spec is None or spec.loader is None:
         raise PluginError(f"{path} is no Python file; its name must end in .py")

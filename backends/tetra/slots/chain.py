@@ -15,10 +15,10 @@ from tetrabench.tetra import interface
 from tetrabench.tetra.interface import NONE, Cursor
 from tetrabench.tetra.memory import buffers
 
-LIVE, HEAD, TAIL, HELD = 0, 1, 2, 3  # places in the counters
+LIVE, HEAD, TAIL, HELD, HELD_NODES = 0, 1, 2, 3, 4  # places in the counters
 
 AT_ONCE = 0
-"""HELD where nodes are given back as soon as their tetra is deleted; no node has that address."""
+"""HELD where nodes are given back as soon as their tetra is deleted; no node has that address. HELD_NODES is -1 then."""
 
 HEADER = 8
 """What the allocator (glibc) keeps beside each allocation, in bytes, beyond what it calls usable."""
@@ -28,8 +28,8 @@ class Chain(NamedTuple):
     """The ends of the list.
 
     Attributes:
-        counters: (4,) int64: LIVE tetras; addresses of HEAD and TAIL, NONE in an empty net; HELD: AT_ONCE, or the address of
-            the node that was held back last, each linked to the one before it, NONE at the end.
+        counters: (5,) int64: LIVE tetras; addresses of HEAD and TAIL, NONE in an empty net; HELD: AT_ONCE, or the address of
+            the node that was held back last, each linked to the one before it, NONE at the end; HELD_NODES: how many.
     """
 
     counters: NDArray[np.int64]
@@ -37,7 +37,7 @@ class Chain(NamedTuple):
 
 def make_chain(capacity: int) -> Chain:
     """An empty list; it needs no capacity."""
-    return Chain(np.array([0, NONE, NONE, AT_ONCE], np.int64))
+    return Chain(np.array([0, NONE, NONE, AT_ONCE, -1], np.int64))
 
 
 @implements(interface.grown_slots, Chain)
@@ -110,6 +110,7 @@ def drop_slot(net, t):
     else:
         store(np.int64, t + NEXT, counters[HELD])
         counters[HELD] = t
+        counters[HELD_NODES] += 1
     counters[LIVE] -= 1
 
 
@@ -122,7 +123,8 @@ def release(net):
             following = load(np.int64, t + NEXT)
             heap.release(t)
             t = following
-    counters[LIVE], counters[HEAD], counters[TAIL], counters[HELD] = 0, NONE, NONE, AT_ONCE
+    counters[LIVE], counters[HEAD], counters[TAIL] = 0, NONE, NONE
+    counters[HELD], counters[HELD_NODES] = AT_ONCE, -1
 
 
 class HeldNodes(NamedTuple):
@@ -142,7 +144,7 @@ def hold(net):
     refs = interface.tetra_refs(net)
     words = np.empty((len(refs), net.layout.node_bytes // 8), np.int64)
     _read_nodes(refs, words)
-    net.slots.counters[HELD] = NONE
+    net.slots.counters[HELD], net.slots.counters[HELD_NODES] = NONE, 0
     return HeldNodes(refs, words)
 
 
@@ -155,7 +157,7 @@ def let_go(net, held, undo):
     _release_nodes(useless)
     if undo:
         _write_nodes(held.refs, held.words)
-    counters[HELD] = AT_ONCE
+    counters[HELD], counters[HELD_NODES] = AT_ONCE, -1
 
 
 @kernel
@@ -203,6 +205,9 @@ def slot_faults(net):
         live += 1
         previous, t = t, load(np.int64, t + NEXT)
     if live != counters[LIVE] or previous != counters[TAIL]:
+        faults += 1
+    held, nodes = counters[HELD], counters[HELD_NODES]  # the list itself is followed only where an edit ends
+    if (held == AT_ONCE) != (nodes == -1) or (held == NONE) != (nodes == 0) or held < NONE or nodes < -1:
         faults += 1
     return faults
 
