@@ -4,6 +4,7 @@ import dataclasses
 import errno
 import json
 import random
+from datetime import datetime
 from pathlib import Path
 
 import msgspec
@@ -18,6 +19,7 @@ from tetrabench.bench import journal as journal_module
 from tetrabench.bench.journal import Journal, journal_path, read_journal
 from tetrabench.bench.messages import Failed, Skipped
 from tetrabench.bench.record import SCHEMA, Launch, Memory, Yardsticks
+from tetrabench.bench.soundness import LARGEST, LONGEST
 from tetrabench.bench.spawn import WorkerDied
 from tetrabench.errors import InputError
 
@@ -256,21 +258,24 @@ def test_cells_close_by_whole_launches(target: Path):
 # ---------------------------------------------------------------------- round trip
 
 NAMES = st.text(st.characters(codec="utf-8"), max_size=6)
-FLOATS = st.floats(allow_nan=False, allow_infinity=False)
+FIGURES = st.floats(-1e300, 1e300)
+TIMES = st.floats(0, LONGEST)
+BYTES = st.integers(0, LARGEST)
+BACKENDS = st.sampled_from(["v0", "v1"])
 PARTS = st.one_of(
     st.builds(
         Sample,
         model=st.just("tiny"),
-        task=NAMES,
-        backend=NAMES,
+        task=st.sampled_from(["first", "second"]),
+        backend=BACKENDS,
         status=st.sampled_from(["ok", "crash", "oom"]),
         launch=st.integers(0, 99),
         round=st.integers(0, 99),
-        cpu_s=st.none() | FLOATS,
-        wall_s=st.none() | FLOATS,
+        cpu_s=st.none() | TIMES,
+        wall_s=st.none() | TIMES,
         digest=NAMES,
-        figures=st.dictionaries(NAMES, st.none() | FLOATS, max_size=3),
-        peak_bytes=st.none() | st.integers(0, 2**62),
+        figures=st.dictionaries(NAMES, st.none() | FIGURES, max_size=3),
+        peak_bytes=st.none() | BYTES,
         reason=NAMES,
     ),
     st.builds(
@@ -278,25 +283,18 @@ PARTS = st.one_of(
         model=st.just("tiny"),
         launch=st.integers(0, 99),
         core=st.integers(0, 99),
-        begun=NAMES,
-        yardsticks=st.none() | st.builds(Yardsticks, copy_gb_s=FLOATS, triad_gb_s=FLOATS, latency_ns=FLOATS),
-        seconds=st.dictionaries(NAMES, FLOATS, max_size=3),
+        begun=st.just("") | st.datetimes().map(datetime.isoformat),
+        yardsticks=st.none() | st.builds(Yardsticks, copy_gb_s=TIMES, triad_gb_s=TIMES, latency_ns=TIMES),
+        seconds=st.dictionaries(NAMES, TIMES, max_size=3),
     ),
     st.builds(
         Memory,
         model=st.just("tiny"),
-        backend=NAMES,
-        structure=st.dictionaries(NAMES, st.tuples(st.integers(0, 2**62), st.integers(0, 2**62)), max_size=3),
-        retained_bytes=st.none() | st.integers(-(2**40), 2**62),
+        backend=BACKENDS,
+        structure=st.dictionaries(NAMES, st.tuples(BYTES, BYTES), max_size=3),
+        retained_bytes=st.none() | st.integers(-LARGEST, LARGEST),
     ),
-    st.builds(
-        Backend,
-        name=st.sampled_from(["v0", "v1"]),
-        contestant=NAMES,
-        title=NAMES,
-        against=st.just("v0"),
-        compile_s=FLOATS,
-    ),
+    st.builds(Backend, name=BACKENDS, contestant=NAMES, title=NAMES, against=st.just("v0"), compile_s=TIMES),
 )
 
 

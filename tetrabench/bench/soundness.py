@@ -20,8 +20,8 @@ LONGEST = 1e12
 """Of a time or a rate, in whatever unit: their products and ratios stay far from infinity."""
 DEEPEST = 6
 """How far values lie within values; the environment is flat, samples hold series, which are lists."""
-SIGNED = frozenset({"figures", "series", "environment", "options", "seed"})
-"""Fields whose numbers may be below 0."""
+SIGNED = frozenset({"figures", "series", "environment", "options", "seed", "retained_bytes"})
+"""Fields whose numbers may be below 0: a process may well have given back more than a small structure took."""
 
 
 def find_fault(results: "Results") -> str:
