@@ -5,6 +5,7 @@ others is named, and the plug-in skipped: it must not stand in the way of a run 
 """
 
 import hashlib
+import importlib.metadata
 import os
 import re
 import sys
@@ -21,6 +22,7 @@ from typing import Any
 from tetrabench.errors import InputError, PluginWarning
 from tetrabench.printable import printable
 from tetrabench.protocols import Contestant, Family, Option, Scenario
+from tetrabench.traces import spell_error
 
 OURS = "tetrabench"
 
@@ -212,7 +214,7 @@ def _wrong_options(member: Any, group: str) -> str:
 
 
 def _spell(error: BaseException) -> str:
-    return f"{type(error).__name__}: {error}".rstrip(": ")
+    return spell_error(error, entered_from=(__file__, importlib.__file__, importlib.metadata.__file__))
 
 
 def _distribution(entry: EntryPoint) -> str:

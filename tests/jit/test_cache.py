@@ -82,6 +82,59 @@ def test_a_change_in_another_file_recompiles(plugin):
     assert run() == [21.0, 0, 1]
 
 
+SHARED = """
+from typing import Any, NamedTuple
+from tetrabench.jit import generic, kernel
+
+class Net(NamedTuple):
+    part: Any
+
+@generic(on="part")
+def value(net):
+    "A number."
+
+@kernel
+def outer(net):
+    return value(net)
+"""
+
+OWN = """
+from typing import NamedTuple
+import numpy as np
+from tetrabench.jit import implements
+from shared import value
+
+class Box(NamedTuple):
+    numbers: np.ndarray
+
+@implements(value, Box)
+def _(net):
+    return net.part.numbers[1]
+"""
+
+LOADED_AS = """
+import importlib.util, sys
+import numpy as np
+from shared import Net, outer
+name, file = sys.argv[1:]
+spec = importlib.util.spec_from_file_location(name, file)
+own = sys.modules[name] = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(own)
+print(outer(Net(own.Box(np.arange(3.0)))))
+"""
+
+
+def test_one_file_under_two_names(tmp_path):
+    """As a plug-in file that `--plugin` names, and as a module: entries know classes by the names of their modules."""
+    (tmp_path / "shared.py").write_text(SHARED)
+    (tmp_path / "own.py").write_text(OWN)
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path), "TETRABENCH_CACHE": str(tmp_path / "cache")}
+    for name in ("own", "own_by_another_name", "own"):
+        words = [sys.executable, "-c", LOADED_AS, name, str(tmp_path / "own.py")]
+        done = subprocess.run(words, env=environment, capture_output=True, text=True)
+        assert done.stdout == "1.0\n", done.stderr
+
+
 def test_flags_have_caches_of_their_own(plugin):
     write, run = plugin
     write(index=3)  # one beyond the end

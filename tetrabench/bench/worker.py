@@ -51,8 +51,7 @@ from tetrabench.errors import InputError, MemoryRefusedError, PluginWarning, Tet
 from tetrabench.jit import count_compiled
 from tetrabench.memory import held_to_available
 from tetrabench.protocols import Contestant, Family, Options, Scenario, Stage
-
-_MISSING = " does not implement "  # what `jit.generic` says of a contestant that leaves something out
+from tetrabench.traces import spell_error
 
 
 class Worker:
@@ -218,17 +217,8 @@ def _number(figure: float) -> float | None:
 
 
 def _one_line(error: BaseException) -> str:
-    """What went wrong and where, in a line."""
-    lines = [line.strip() for line in str(error).splitlines() if line.strip()] or ["no reason given"]
-    if isinstance(error, TetrabenchError):
-        return lines[0]
-    # The compiler wraps what went wrong in a kernel in pages of its own; what our decorators say stands within.
-    text = next((line for line in lines if _MISSING in line), lines[0])
-    trace = error.__traceback__
-    while trace and trace.tb_next:
-        trace = trace.tb_next
-    place = f" ({Path(trace.tb_frame.f_code.co_filename).name}:{trace.tb_lineno})" if trace else ""
-    return f"{type(error).__name__}: {text}{place}"
+    """What went wrong, in a line: ours as it stands, a contestant's with its place."""
+    return str(error).splitlines()[0] if isinstance(error, TetrabenchError) and str(error) else spell_error(error)
 
 
 def _move_pipes() -> tuple[BinaryIO, BinaryIO]:

@@ -184,6 +184,7 @@ def _flags() -> str:
 def _stamp(modules: tuple[str, ...], flags: str) -> str:
     digest = hashlib.sha256(flags.encode())
     for package in sorted({package for module in modules for package in _packages(module)} | {_MACHINERY}):
+        digest.update(package.encode() + b"\0")  # entries know classes by the names of their modules
         for path, content in _sources(package):
             digest.update(path.encode() + b"\0" + content + b"\0")
     return digest.hexdigest()
