@@ -10,7 +10,7 @@ from numba import config
 from tests.examined import environment
 from tetrabench.bench.catalogue import Inquiry
 from tetrabench.bench.conformance import CHECKED, COMPILED, FAULTY, NOT_TRIED, PLAIN, SOUND, check_contestant, examine
-from tetrabench.bench.examination import faults_of, noted, place_of, spell_refusal
+from tetrabench.bench.examination import faults_of, noted, place_of
 from tetrabench.cli import main
 from tetrabench.errors import InputError
 from tetrabench.protocols import Rule
@@ -185,11 +185,6 @@ def test_exceptions_are_sentences_and_no_more_than_some_are_told():
     assert faults_of(Rules(lambda _: (f"{n}" for n in iter(int, 1))), None, "only") == ["0"] * 5
     with pytest.raises(InputError, match="no rule 'other'"):
         faults_of(Rules(raising), None, "other")
-
-
-def test_what_is_left_out_is_said_in_a_line():
-    text = "Failed in nopython mode pipeline\n  x\n TypingError: Half does not implement vertex(net, t, i)\nmore"
-    assert spell_refusal(text) == "Half does not implement vertex(net, t, i)"
 
 
 def test_notes_that_were_not_taken_say_nothing(tmp_path):

@@ -62,8 +62,8 @@ def test_a_structure_that_claims_more_than_its_process_holds(tmp_path):
     ("contestant", "status", "reason"),
     [
         ("crashing-building", "crash", "signal 11 (Segmentation fault)"),
-        ("raising-building", "error", "ValueError: cannot stand (scripted_plugin.py:"),
-        ("greedy-building", "oom", "not enough memory: MemoryError"),
+        ("raising-building", "error", "build: ValueError: cannot stand (scripted_plugin.py:"),
+        ("greedy-building", "oom", "not enough memory: build: MemoryError"),
     ],
 )
 def test_what_goes_wrong_is_named(tmp_path, contestant, status, reason):

@@ -75,6 +75,7 @@ class TestBrokenPlugins:
         assert "tetra" in known
         assert registry.skipped() == [
             "plug-in broken: cannot import broken_module:FAMILY: ModuleNotFoundError: No module named 'no_such_thing'"
+            " (broken_module.py:1)"
         ]
         with pytest.raises(InputError, match="the family broken cannot be used"):
             registry.family("broken")

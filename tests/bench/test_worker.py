@@ -113,12 +113,12 @@ def test_every_bad_end_is_named_and_ends_its_own_cell_alone(capfd):
 
     reasons = {name: of(results, name, "second")[-1].reason for name in bad}
     assert reasons["lazy"] == "too lazy"
-    assert reasons["raising"].startswith("ValueError: I would rather not (scripted_plugin.py:")
+    assert reasons["raising"].startswith("misbehave: ValueError: I would rather not (scripted_plugin.py:")
     assert reasons["crashing"] == "signal 11 (Segmentation fault)"
     assert reasons["crashing-small"] == "on the small model: signal 11 (Segmentation fault)"
-    assert reasons["leaving"].startswith("SystemExit: 4")
+    assert reasons["leaving"].startswith("misbehave: SystemExit: 4")
     assert reasons["gone"] == "exit code 4"
-    assert reasons["greedy"].startswith("not enough memory: MemoryError")
+    assert reasons["greedy"].startswith("not enough memory: misbehave: MemoryError")
     assert reasons["wrong"] == "wrong says bad0, most say 20: count 41 instead of 2, sum none instead of 0.5"
     assert all(one.status == "wrong-result" for one in of(results, "wrong", "second"))
     unstable = [one.reason for one in of(results, "unstable", "second") if one.status == "unstable"]
