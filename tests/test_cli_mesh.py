@@ -7,6 +7,7 @@ from dataclasses import fields
 from pathlib import Path
 
 import click
+import meshio
 import numpy as np
 import pytest
 
@@ -101,6 +102,27 @@ def test_info_of_what_cannot_be_read(tmp_path: Path) -> None:
     (tmp_path / "bad.vtu").write_text("nonsense")
     assert "cannot be read as VTK XML" in refusal("info", tmp_path / "bad.vtu")
     assert "'.vtux' names no known format" in refusal("info", tmp_path / "a.vtux")
+    (tmp_path / "binary.nas").write_bytes(bytes(range(256)) * 20)
+    assert refusal("info", tmp_path / "binary.nas").endswith(
+        "it holds null bytes, as no deck does: is it a binary file?"
+    )
+
+
+def test_info_and_convert_name_the_values_that_they_leave_out(tmp_path: Path) -> None:
+    mesh = generate("box", 48)
+    raw = meshio.Mesh(
+        mesh.points,
+        [("tetra", mesh.tets)],
+        point_data={"heat": np.zeros(len(mesh.points))},
+        cell_data={"load": [np.zeros(len(mesh.tets))], "tetra_id": [mesh.tet_ids]},
+    )
+    meshio.write(tmp_path / "with.vtu", raw)
+    assert "values heat, load" in " ".join(say("info", tmp_path / "with.vtu").stdout.split())
+    told = say("convert", tmp_path / "with.vtu", tmp_path / "without.mesh").stderr.splitlines()
+    assert told[0] == "left out the values heat, load"
+    surface = meshio.Mesh(mesh.points[:3], [("triangle", [[0, 1, 2]])], point_data={"heat": np.zeros(3)})
+    meshio.write(tmp_path / "surface.vtu", surface)
+    assert "values heat" in " ".join(say("info", tmp_path / "surface.vtu").stdout.split())
 
 
 def test_more_memory_than_there_is_is_6(faulty: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -144,11 +144,11 @@ def test_a_recording_is_of_300_steps_and_needs_no_pygame(tmp_path: Path, monkeyp
 @pytest.mark.parametrize(
     ("words", "line"),
     [
-        (["--backend", "kdtre"], "no backend 'kdtre'; did you mean 'kdtree'?"),
+        (["--backend", "kdtre"], "no backend 'kdtre' in the family collision; did you mean 'kdtree'?"),
         (["--option", "kdtree.capacity=64"], "kdtree: capacity=64 cannot be; it takes 1 to 63"),
         (["--option", "capacity=0"], "kdtree: capacity=0 cannot be; it takes 1 to 63"),
         (["--option", "grid.capacity=4"], "no option of grid 'capacity'"),
-        (["--option", "gird.per_ten=4"], "no backend 'gird'; did you mean 'grid'?"),
+        (["--option", "gird.per_ten=4"], "no backend 'gird' in the family collision; did you mean 'grid'?"),
         (["--option", "capacity=4,8"], "option 'capacity=4,8': write NAME=N or BACKEND.NAME=N, in a whole number"),
         (["--option", "capacity"], "option 'capacity': write NAME=N"),
         (["--gravity", "nan"], "a finite number is needed, not nan"),

@@ -43,8 +43,8 @@ class MemoryRefusedError(InputError):
     exit_code = 6
 
 
-def find_named(kind: str, known: Mapping[str, _Member], name: str) -> _Member:
-    """Look up a name that a person typed; `kind` says what it is the name of.
+def find_named(kind: str, known: Mapping[str, _Member], name: str, among: str = "") -> _Member:
+    """Look up a name that a person typed; `kind` says what it is the name of, `among` where it was looked for.
 
     Raises:
         InputError: there is none of that name; says which there are, and which of them is meant where one is close.
@@ -53,4 +53,5 @@ def find_named(kind: str, known: Mapping[str, _Member], name: str) -> _Member:
         return known[name]
     near = difflib.get_close_matches(name.lower(), known, n=1)
     hint = f"did you mean '{near[0]}'? " if near else ""
-    raise InputError(f"no {kind} '{name}'; {hint}there are: {', '.join(known) or 'none'}")
+    where = f" {among}" if among else ""
+    raise InputError(f"no {kind} '{name}'{where}; {hint}there are: {', '.join(known) or 'none'}")

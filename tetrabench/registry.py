@@ -49,8 +49,7 @@ def contestant(family_name: str, name: str, options: Options | None = None) -> C
     Raises:
         InputError: there is no such family, or none of that name in it; as `choose_options`.
     """
-    known: dict[str, Any] = _members("contestants", family_name)
-    found = find_named("backend", known, name)
+    found = _find("backend", "contestants", family_name, name)
     chosen: Contestant = (
         dataclasses.replace(found, options=choose_options(name, found.options, options)) if options else found
     )
@@ -86,8 +85,8 @@ def scenario(family_name: str, name: str) -> Scenario:
     Raises:
         InputError: there is no such family, or none of that name in it.
     """
-    known: dict[str, Scenario] = _members("scenarios", family_name)
-    return find_named("scenario", known, name)
+    found: Scenario = _find("scenario", "scenarios", family_name, name)
+    return found
 
 
 def workloads(family_name: str) -> dict[str, Workload]:
@@ -159,6 +158,10 @@ def _add_models(family: Family) -> None:
                 _added.append((family, model.name))
             except Exception as error:  # whatever a family says to what is no model of its kind
                 plugins.skip(owner, f"the model {model.name}: {error}")
+
+
+def _find(kind: str, group: str, family_name: str, name: str) -> Any:
+    return find_named(kind, _members(group, family_name), name, f"in the family {family_name}")
 
 
 @functools.cache

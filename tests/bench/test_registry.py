@@ -29,9 +29,14 @@ class TestNames:
         assert {contestant.family for contestant in registry.contestants("scripted")} == {"scripted"}
 
     def test_an_unknown_name_gets_the_nearest_one_and_the_list(self):
-        with pytest.raises(InputError, match=r"no backend 'chaty'; did you mean 'chatty'.*there are: steady, other"):
+        with pytest.raises(
+            InputError,
+            match=r"no backend 'chaty' in the family scripted; did you mean 'chatty'.*there are: steady, other",
+        ):
             registry.contestant("scripted", "chaty")
-        with pytest.raises(InputError, match="no scenario 'zzz'; there are: first, second, third, many"):
+        with pytest.raises(
+            InputError, match="no scenario 'zzz' in the family scripted; there are: first, second, third, many"
+        ):
             registry.scenario("scripted", "zzz")
         with pytest.raises(InputError, match="no family 'script'; did you mean 'scripted'"):
             registry.contestants("script")

@@ -227,7 +227,7 @@ def test_a_parallel_task_is_measured_by_wall_time_and_a_hidden_one_is_noticed():
 
 
 def test_unknown_names_end_the_run_before_it_starts():
-    with pytest.raises(InputError, match="no scenario 'frist'; did you mean 'first'"):
+    with pytest.raises(InputError, match="no scenario 'frist' in the family scripted; did you mean 'first'"):
         run("steady", scenarios=["frist"])
 
 

@@ -337,6 +337,13 @@ def test_what_meshio_warns_of_is_reported(tmp_path: Path, capfd: pytest.CaptureF
     assert capfd.readouterr() == ("", "")
 
 
+def test_what_meshio_writes_as_msh_unless_told_otherwise(tmp_path: Path) -> None:
+    path = tmp_path / "part.msh"
+    meshio.write(path, meshio.Mesh(single().points, [("tetra", single().tets)]))
+    with pytest.raises(InputError, match=r"part\.msh: is a mesh of Ansys Fluent, .*file_format='gmsh'$"):
+        read_mesh(path)
+
+
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only Linux limits addresses")
 def test_damaged_file_does_not_take_the_memory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Node tags up to 2^26: meshio makes a table of them all, half a gigabyte."""

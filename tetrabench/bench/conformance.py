@@ -95,7 +95,7 @@ def examine(
         InputError: there is no such family, or none of that name in it.
     """
     known = guide.describe(family)
-    find_named("backend", {one.name: one for one in known.contestants}, contestant)
+    find_named("backend", {one.name: one for one in known.contestants}, contestant, f"in the family {family}")
     with tempfile.TemporaryDirectory() as folder:
         examiner = _Examiner(family, contestant, known, Path(folder) / "notes", timeout_s, step)
         is_sound = True

@@ -174,10 +174,10 @@ def make_plan(
         model, tets = kind.default_model, tets or [DEFAULT_SIZE]
     thesis = profile == "thesis"
     options = options or {}
-    contestants = _choose("backend", kind.contestants, backends)
+    contestants = _choose("backend", family, kind.contestants, backends)
     if backends is None:
         contestants = [one for one in contestants if one.exact]
-    chosen_scenarios = _choose_scenarios(kind, scenarios, thesis)
+    chosen_scenarios = _choose_scenarios(family, kind, scenarios, thesis)
     _refuse_unknown(options, [*contestants, *chosen_scenarios])
     seats = list(make_backends(contestants, options))
     stands_for = _stand_ins(seats, contestants)
@@ -369,21 +369,23 @@ def parse_option(text: str) -> tuple[str, list[int]]:
 Facts = TypeVar("Facts", ContestantFacts, ScenarioFacts)
 
 
-def _choose(kind: str, known: Sequence[Facts], names: Sequence[str] | None) -> list[Facts]:
-    """Those asked for, in the order asked for; all if that is None."""
-    by_name = {one.name: one for one in known}
-    return list(known) if names is None else [find_named(kind, by_name, name) for name in dict.fromkeys(names)]
+def _choose(kind: str, family: str, known: Sequence[Facts], names: Sequence[str] | None) -> list[Facts]:
+    """Those of a family that are asked for, in the order asked for; all if that is None."""
+    if names is None:
+        return list(known)
+    by_name, among = {one.name: one for one in known}, f"in the family {family}"
+    return [find_named(kind, by_name, name, among) for name in dict.fromkeys(names)]
 
 
-def _choose_scenarios(family: Described, names: Sequence[str] | None, thesis: bool) -> list[ScenarioFacts]:
+def _choose_scenarios(family: str, kind: Described, names: Sequence[str] | None, thesis: bool) -> list[ScenarioFacts]:
     """The scenarios asked for, in the order asked for; with `thesis`, those of the source, in its order."""
-    chosen = _choose("scenario", family.scenarios, names)
+    chosen = _choose("scenario", family, kind.scenarios, names)
     if thesis:
-        others = [scenario.name for scenario in chosen if scenario.name not in family.thesis_order]
+        others = [scenario.name for scenario in chosen if scenario.name not in kind.thesis_order]
         if names is not None and others:
-            raise InputError(f"not in the thesis: {', '.join(others)}; it has: {', '.join(family.thesis_order)}")
+            raise InputError(f"not in the thesis: {', '.join(others)}; it has: {', '.join(kind.thesis_order)}")
         wanted = {scenario.name: scenario for scenario in chosen}
-        chosen = [wanted[name] for name in family.thesis_order if name in wanted]
+        chosen = [wanted[name] for name in kind.thesis_order if name in wanted]
     if not chosen:
         raise InputError("no scenario to run")
     return chosen

@@ -229,6 +229,8 @@ def _spell(value: Any, *, is_angle: bool = False) -> str:
         return ", ".join(f"{key} {_spell_short(part)}" for key, part in value.items()) or "none"
     if isinstance(value, tuple):
         return ", ".join(str(part) if isinstance(part, int) else f"{part:.9g}" for part in value) or "none"
+    if isinstance(value, list):
+        return ", ".join(value) or "none"
     if isinstance(value, float):
         return f"{value:.1f} degrees" if is_angle else f"{value:.9g}"
     return f"{value:,}" if isinstance(value, int) else str(value or "none")

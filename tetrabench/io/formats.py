@@ -106,6 +106,12 @@ class Raw:
     cells: Counter[str]
     said: list[str]
 
+    @property
+    def values(self) -> list[str]:
+        """The names of what the file holds for its points and its cells, ids aside."""
+        names = [*self.mesh.point_data, *self.mesh.cell_data]
+        return sorted({str(name) for name in names} - {POINT_ID, TETRA_ID})
+
 
 @contextlib.contextmanager
 def raw_mesh(path: str | os.PathLike[str]) -> Iterator[Raw]:
@@ -159,6 +165,7 @@ def read_foreign(path: str | os.PathLike[str], *, unused: str = "drop", repair: 
         corners = [np.asarray(blocks[number].data)[:, :4].astype(np.int64) for number in tetras]
         point_ids = ids_among(raw.mesh.point_data, POINT_ID, [slice(None)], len(points))
         tet_ids = ids_among(raw.mesh.cell_data, TETRA_ID, tetras, sum(map(len, corners)))
+        values = raw.values
     if not tetras:
         raise NoCellsError(f"{path}: holds no tetras; it holds {list_cells(raw.cells)}")
     if points.shape[1] != 3:
@@ -168,6 +175,7 @@ def read_foreign(path: str | os.PathLike[str], *, unused: str = "drop", repair: 
         format=raw.form.title,
         skipped={kind: count for kind, count in raw.cells.most_common() if count and not is_tetra(kind)},
         quadratic=sum(count for kind, count in raw.cells.items() if is_tetra(kind) and kind != "tetra"),
+        values=values,
         warnings=[f"{path}: {sentence}" for sentence in raw.said],
     )
 
@@ -384,6 +392,20 @@ def prepare_ply(path: Path) -> io.BytesIO:
     return io.BytesIO(head + rest)
 
 
+def prepare_gmsh(path: Path) -> Path:
+    """Ansys Fluent's files have the same suffix, and are what meshio writes into it unless it is told otherwise.
+
+    Raises:
+        InputError: it is one of these.
+    """
+    with mapped(path) as text:
+        if re.match(rb"\s*\(", text):
+            raise InputError(
+                f"{path}: is a mesh of Ansys Fluent, and .msh is read as Gmsh's; meshio writes that with file_format='gmsh'"
+            )
+    return path
+
+
 def prepare_obj(path: Path) -> io.StringIO:
     """meshio refuses normals and textures that are not as many as the points, and takes colours for coordinates."""
     with path.open(encoding="utf-8", errors="replace") as file:
@@ -392,7 +414,7 @@ def prepare_obj(path: Path) -> io.StringIO:
 
 
 FORMATS = (
-    Format("gmsh", "Gmsh", (".msh",), room=7, keeps_values=True),
+    Format("gmsh", "Gmsh", (".msh",), room=7, keeps_values=True, prepare=prepare_gmsh),
     Format("vtk", "VTK", (".vtk",), room=6, keeps_ids=True, keeps_values=True, doubt=doubt_vtk),
     Format("vtu", "VTK XML", (".vtu",), room=15, keeps_ids=True, keeps_values=True),
     Format("medit", "Medit", (".mesh", ".meshb"), room=5),

@@ -105,11 +105,12 @@ def _tell_tetras(mesh: TetraMesh, unused: str) -> list[str]:
         sentences.append(f"left out {report.unreferenced:,} points that no tetra uses")
     if report.quadratic:
         sentences.append(f"took the corners of {report.quadratic:,} tetras with midside nodes")
-    return sentences + _tell_skipped(report.skipped)
+    return sentences + _tell_left_out(report.skipped, report.values)
 
 
-def _tell_skipped(skipped: Mapping[str, int]) -> list[str]:
-    return ["left out " + ", ".join(f"{name} {number:,}" for name, number in skipped.items())] if skipped else []
+def _tell_left_out(skipped: Mapping[str, int], values: Sequence[str]) -> list[str]:
+    cells = ["left out " + ", ".join(f"{name} {number:,}" for name, number in skipped.items())] if skipped else []
+    return cells + ([f"left out the values {', '.join(values)}"] if values else [])
 
 
 TETRAS = Kind(
@@ -165,7 +166,7 @@ def _tell_polygons(mesh: PolygonMesh, unused: str) -> list[str]:
         sentences.append(f"turned over {report.turned:,} of {mesh.number_of_cells:,} cells")
     if report.quadratic:
         sentences.append(f"took the corners of {report.quadratic:,} cells with midside nodes")
-    return sentences + _tell_skipped(report.skipped)
+    return sentences + _tell_left_out(report.skipped, report.values)
 
 
 POLYGONS = Kind(

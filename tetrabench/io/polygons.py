@@ -108,6 +108,7 @@ def read_meshio_lists(path: Path) -> CellLists:
     """The polygons of a file, in its order, and its points without the midside nodes that no corner is."""
     with raw_mesh(path) as raw:
         held = [(block.type, np.array(block.data, np.int64)) for block in raw.mesh.cells if len(block.data)]
+        values = raw.values
         polygons = [
             np.split(rows, [corners_of(kind, rows.shape[1])], axis=1) for kind, rows in held if is_polygon(kind)
         ]
@@ -127,6 +128,7 @@ def read_meshio_lists(path: Path) -> CellLists:
         format=raw.form.title,
         skipped={kind: count for kind, count in raw.cells.most_common() if count and not is_polygon(kind)},
         quadratic=sum(len(corners) for corners, rest in polygons if rest.shape[1]),
+        values=values,
         warnings=[f"{path}: {sentence}" for sentence in raw.said],
     )
     return CellLists(points, np.append(0, np.cumsum(sizes)), nodes, report)

@@ -86,6 +86,7 @@ class Inspection:
             from them: they do not match. (Sides of different sizes on each other are not found.)
         unreferenced: points that no tetra uses.
         quadratic: tetras with midside nodes, of which the corners alone are used.
+        values: names of the numbers that the file holds for its points and cells; they are no part of the mesh.
         dropped: tetras left out because no net can hold them, reason -> count.
         skipped: cards or cells of the file that are no part of the mesh, name -> count.
         warnings: sentences of the reader.
@@ -113,6 +114,7 @@ class Inspection:
     crossing_sides: int
     unreferenced: int
     quadratic: int
+    values: list[str]
     dropped: dict[str, int]
     skipped: dict[str, int]
     warnings: list[str]
@@ -165,6 +167,7 @@ def inspect_mesh(mesh: TetraMesh) -> Inspection:
         crossing_sides=crossing,
         unreferenced=report.unreferenced,
         quadratic=report.quadratic,
+        values=report.values,
         dropped=report.dropped,
         skipped=report.skipped,
         warnings=report.warnings,

@@ -18,6 +18,7 @@ class MeshReport:
         format: name of the file's format, "" for a generated model.
         skipped: cards or cells of the file that are no part of the mesh, name -> count.
         quadratic: tetras with midside nodes, of which the corners alone are used.
+        values: names of the numbers that the file holds for its points and cells; they are no part of the mesh.
         unreferenced: points that no tetra uses (dropped unless the reader was told to keep them).
         dropped: tetras left out because no net can hold them, reason -> count: see `mesh.check.REASONS`.
         inverted: tetras whose vertex order gives a negative volume (kept as they are).
@@ -29,6 +30,7 @@ class MeshReport:
     format: str = ""
     skipped: dict[str, int] = field(default_factory=dict)
     quadratic: int = 0
+    values: list[str] = field(default_factory=list)
     unreferenced: int = 0
     dropped: dict[str, int] = field(default_factory=dict)
     inverted: int = 0

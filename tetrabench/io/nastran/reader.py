@@ -32,6 +32,7 @@ from tetrabench.mesh.check import find_faults, settle
 from tetrabench.mesh.tetra_mesh import MeshReport, TetraMesh
 
 MOST_FILES = 10_000
+MOST_TOLD = 20  # kinds of cards
 DEEPEST = 50  # files within files
 PEAK = 2.0  # bytes of memory that a byte of a file takes: measured 0.8 (large field) to 1.8 (free field)
 CARD_BYTES = 40  # a usual card has more; the deck grows where they have fewer
@@ -140,7 +141,9 @@ class _Deck:
         points, tets = int(state[scanning.POINTS]), int(state[scanning.TETS])
         if not tets:
             cards = {"GRID": points} | report.skipped
-            held = ", ".join(f"{name} {count}" for name, count in cards.items() if count)
+            held = ", ".join([f"{name} {count}" for name, count in cards.items() if count][:MOST_TOLD])
+            if 0 in next(iter(self.sources)).text[:4096]:
+                held = "null bytes, as no deck does: is it a binary file?"
             raise InputError(f"{self.main}: holds no CTETRA; it holds {held or 'no card at all'}")
         if not state[scanning.ENDED]:
             if state[scanning.BEGUN]:

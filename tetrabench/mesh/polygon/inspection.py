@@ -62,6 +62,7 @@ class PolygonInspection:
         split: nodes in which parts touched that no sides joined, and that were split.
         unreferenced: nodes of no cell, which were left out.
         quadratic: cells with midside nodes, of which the corners alone are used.
+        values: names of the numbers that the file holds for its points and cells; they are no part of the mesh.
         dropped: cells left out because no format can hold them, reason -> count.
         skipped: cells of the file that are no polygons, kind -> count.
         warnings: sentences of the reader.
@@ -89,6 +90,7 @@ class PolygonInspection:
     split: int
     unreferenced: int
     quadratic: int
+    values: list[str]
     dropped: dict[str, int]
     skipped: dict[str, int]
     warnings: list[str]
@@ -130,6 +132,7 @@ def inspect_polygons(mesh: PolygonMesh) -> PolygonInspection:
         split=report.split,
         unreferenced=report.unreferenced,
         quadratic=report.quadratic,
+        values=report.values,
         dropped=report.dropped,
         skipped=report.skipped,
         warnings=report.warnings,

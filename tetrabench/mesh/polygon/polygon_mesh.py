@@ -18,6 +18,7 @@ class PolygonReport:
         format: name of the file's format, "" for a generated model.
         skipped: cells of the file that are no polygons, kind -> count.
         quadratic: polygons with midside nodes, of which the corners alone are used.
+        values: names of the numbers that the file holds for its points and cells; they are no part of the mesh.
         unreferenced: nodes that no cell uses (dropped).
         dropped: cells left out because no format can hold them, reason -> count.
         turned: cells whose nodes were listed the other way round, and are turned over.
@@ -29,6 +30,7 @@ class PolygonReport:
     format: str = ""
     skipped: dict[str, int] = field(default_factory=dict)
     quadratic: int = 0
+    values: list[str] = field(default_factory=list)
     unreferenced: int = 0
     dropped: dict[str, int] = field(default_factory=dict)
     turned: int = 0
