@@ -9,6 +9,7 @@ import numpy as np
 from tests.broken import broken_type
 from tetrabench.backends.tetra import CONTESTANTS as OURS
 from tetrabench.backends.tetra.layouts.property_arrays import PropertyArrays
+from tetrabench.backends.tetra.slots.chain import Chain
 from tetrabench.backends.tetra.slots.flag_list import FlagList
 from tetrabench.tetra import interface
 from tetrabench.tetra.incidence import Incidence
@@ -16,18 +17,20 @@ from tetrabench.tetra.interface import NONE, Cursor
 from tetrabench.tetra.points import COUNT, EDITS
 
 GOOD = next(one for one in OURS if one.name == "v3y")
-AXES = {PropertyArrays: "layout", FlagList: "slots", Incidence: "incidence"}
+LINKED = next(one for one in OURS if one.name == "v4")
+AXES = {PropertyArrays: "layout", FlagList: "slots", Incidence: "incidence", Chain: "slots"}
 
 
 def broken(name, good, function, wrap, without=(), **says):
     made = broken_type(good, {function: wrap} if function else {}, without)
+    base = LINKED if good is Chain else GOOD
 
     def build(mesh):
-        net = GOOD.build(mesh)
+        net = base.build(mesh)
         axis = AXES[good]
         return net._replace(**{axis: made(*getattr(net, axis))})
 
-    return replace(GOOD, name=name, build=build, **says)
+    return replace(base, name=name, build=build, **says)
 
 
 def set_volume(good):
@@ -82,6 +85,29 @@ def grown_layout(good):
         return grown
 
     return grown_layout
+
+
+def columns_copied(good):
+    def columns(net):
+        return {name: column.copy() for name, column in good(net).items()}
+
+    return columns
+
+
+def columns_misnamed(good):
+    def columns(net):
+        return {f"{name}s": column for name, column in good(net).items()}
+
+    return columns
+
+
+def let_go(good):
+    def let_go(net, held, undo):
+        good(net, held, undo)
+        if undo:
+            interface.set_state(net, int(held.refs[3]), 2, 77.0)
+
+    return let_go
 
 
 def capacity(good):
@@ -284,6 +310,9 @@ FAULTS = {
     "stuck-neighbour": (PropertyArrays, interface.set_neighbour, set_neighbour, "neighbour"),
     "inward-normal": (PropertyArrays, interface.side_normal, side_normal, "side_normal"),
     "growth-loses": (PropertyArrays, interface.grown_layout, grown_layout, "grown_layout lost state(7, 3)"),
+    "columns-copied": (PropertyArrays, interface.columns, columns_copied, "columns: state of tetra 0"),
+    "columns-misnamed": (PropertyArrays, interface.columns, columns_misnamed, "columns: there is no field 'vertexs'"),
+    "undoes-too-much": (Chain, interface.let_go, let_go, "an edit that was undone (hold, let_go): state("),
     "stingy-capacity": (PropertyArrays, interface.capacity, capacity, "capacity gives 0"),
     "miscounting": (FlagList, interface.number_of_tetras, number_of_tetras, "number_of_tetras"),
     "next-twice": (FlagList, interface.next_tetra, next_twice, "next_tetra gives tetra 5 twice"),

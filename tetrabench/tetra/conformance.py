@@ -6,6 +6,7 @@ is well. The net is compared with `twin.Twin`. What a rule cannot go on after en
 
 import random
 from collections.abc import Callable, Iterator
+from copy import deepcopy
 from functools import wraps
 from inspect import isfunction
 from typing import Any, NamedTuple
@@ -387,6 +388,46 @@ def _fields(contestant: TetraContestant) -> Iterator[str]:
     yield from ()
 
 
+_COLUMNS = {
+    "vertex": (0, 4),
+    "neighbour": (4, 8),
+    "volume": (0, 1),
+    "centroid": (1, 4),
+    "side_area": (4, 8),
+    "side_normal": (8, 20),
+    "state": (20, 25),
+}
+"""The fields by name, and which columns of `_read` they are: the first two of its integers, the others of its floats."""
+
+
+@_rule
+def _columns(contestant: TetraContestant) -> Iterator[str]:
+    """What numpy sees by ref is what the functions of the fields say; with states, what it writes, too."""
+    with TetraNet(_box(), contestant) as net:
+        storage = net.storage
+        if not is_implemented(interface.columns, type(storage.layout)):
+            return
+        net.delete(net.last)
+        net.states = np.arange(5.0 * len(net)).reshape(-1, 5)
+        for told, look in (("", _look(storage, "set_state")), (" after it was written to", None)):
+            columns = interface.columns(storage)
+            if look is None and "state" in columns:
+                columns["state"][:] += 0.5
+            look = look or _look(storage, "columns: states were written to")
+            for name, column in columns.items():
+                if name not in _COLUMNS:
+                    raise _Broken(f"columns: there is no field {name!r}; there are {', '.join(_COLUMNS)}")
+                begin, end = _COLUMNS[name]
+                wanted = (look.integers if name in ("vertex", "neighbour") else look.floats)[:, begin:end]
+                if len(column) <= look.refs.max() or column[0].size != end - begin:
+                    raise _Broken(f"columns: {name} is {column.shape}, and should have a row for each slot, by ref")
+                found = column[look.refs].reshape(wanted.shape)
+                for row, place in zip(*np.nonzero(found != wanted), strict=True):
+                    ask = f"{name} of tetra {look.refs[row]}"
+                    raise _Broken(f"columns: {ask} is {found[row, place]}{told}, and {name} says {wanted[row, place]}")
+    yield from ()
+
+
 @_rule
 def _growth(contestant: TetraContestant) -> Iterator[str]:
     """Of a net with a hole: all that was there is there, and the outgrown storage refuses edits."""
@@ -675,6 +716,57 @@ def _collect(contestant: TetraContestant) -> Iterator[str]:
             yield "collect finds something again right after collect"
 
 
+class _Undo(Exception):  # noqa: N818 - no error
+    """What an edit is broken off by."""
+
+
+@_rule
+def _undone(contestant: TetraContestant) -> Iterator[str]:
+    """The same edits twice: broken off, which leaves the net as it was, and for good."""
+    mesh = _box()
+    with TetraNet(mesh, contestant) as net:
+        twin = Twin(mesh)
+        look = _look(net.storage, "a fresh net")
+        for n, states in enumerate(twin.states.values()):
+            states[:] = [n + 0.5, -n, 1 / (n + 1), 0.0, 1e9]
+        net.states = np.array([twin.states[tetra] for tetra in look.known])
+        before, did = _look(net.storage, "set_state"), "an edit that was undone (hold, let_go)"
+        try:
+            with net.edit():
+                _change(net, deepcopy(twin))
+                raise _Undo
+        except _Undo:
+            pass
+        after = _compare(net.storage, twin, did)
+        if (after.refs != before.refs).any():
+            raise _Broken(f"{did}: the refs are {after.refs}, and were {before.refs}")
+        _delete(net.storage, twin, twin.tetras[9], after.known[twin.tetras[9]])
+        _compare(net.storage, twin, f"delete_tetra after {did}")
+        with net.edit():
+            _change(net, twin)
+        _compare(net.storage, twin, "an edit that was kept (hold, let_go)")
+    yield from ()
+
+
+def _change(net: TetraNet, twin: Twin) -> None:
+    """Some edits of each kind, of a net and of its twin, with growth."""
+    gone = twin.tetras[:3]
+    for tetra in gone:
+        _delete(net.storage, twin, tetra, _look(net.storage, "delete_tetra").known[tetra])
+    net.collect()
+    net.storage = edit.reserve(net.storage, 1, 0)
+    net.storage, _ = _insert(net.storage, twin, gone[1], "again")
+    chosen = twin.tetras[4:8]
+    known = _look(net.storage, "insert_tetra").known
+    for tetra in chosen:
+        twin.split(tetra)
+    net.split([known[tetra] for tetra in chosen])
+    look = _look(net.storage, "split_many")
+    for n, states in enumerate(twin.states.values()):
+        states[:] = [n - 0.5] * 5
+    net.states = np.array([twin.states[tetra] for tetra in look.known])
+
+
 @_rule
 def _released(contestant: TetraContestant) -> Iterator[str]:
     """Nets come and go, edited and grown before."""
@@ -693,11 +785,13 @@ RULES = (
     Rule("complete", "every function of the interface is there", _complete, essential=True),
     Rule("built", "a fresh net holds the mesh: vertices, neighbours, geometry, states, in its order", _built),
     Rule("fields", "each setter stores each value in its place, and touches no other", _fields),
+    Rule("columns", "the arrays that numpy sees are those of the fields", _columns),
     Rule("growth", "growth keeps all, makes room, and leaves the outgrown storage stale", _growth),
     Rule("around", "the tetras around points, in buffers of any length", _around),
     Rule("edits", "insert and delete through a history at random, refused edits among them", _edits),
     Rule("split", "split_many: children, states, points, what is skipped", _split),
     Rule("collect", "collect finishes what deletions have left, and says so", _collect),
+    Rule("undone", "what is undone has not been, and what is kept has", _undone),
     Rule("released", "nets are given back", _released),
 )
 """In this order: what comes first is relied upon later."""
