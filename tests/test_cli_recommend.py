@@ -42,7 +42,7 @@ def test_a_mix_of_ones_own(run):
     assert (result.exit_code, result.stderr) == (0, "")
     lines = result.stdout.splitlines()
     assert lines[0] == "nozzle: use v3y"
-    assert "Use v3y. The next one, v5y, takes 1.7 times" in result.stdout
+    assert "Use v3y. The next one, v5y, takes 1.7" in result.stdout
     assert "20 sweeps of alfa, delete once" in result.stdout
     assert "v3: delete takes 94 % of its time" in result.stdout
     assert [line.split()[0] for line in lines[4:11]] == ["v3y", "v5y", "v4", "v3x", "v5x", "v3", "v5"]

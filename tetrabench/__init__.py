@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from tetrabench.mesh.polygon.models import generate_polygons
     from tetrabench.polygon.net import PolygonNet
     from tetrabench.registry import contestant
+    from tetrabench.tetra.contestant import TetraContestant
     from tetrabench.tetra.net import TetraNet
 
 __all__ = [
@@ -84,13 +85,13 @@ __version__: str
 
 
 def open(
-    path_or_mesh: "TetraMesh | str | os.PathLike[str]", backend: str = "v3y", *, states: bool = True
+    path_or_mesh: "TetraMesh | str | os.PathLike[str]", backend: "TetraContestant | str" = "v3y", *, states: bool = True
 ) -> "TetraNet":
     """Open a file, or a mesh, as a net in the storage of a backend.
 
     Args:
         path_or_mesh: a file in any format, by its suffix; or points and tetras.
-        backend: the contestant that stores it.
+        backend: the contestant that stores it, or its name.
         states: whether the states are taken that the file holds, `state_0` to `state_4` as `TetraNet.write` keeps them: it
             is read once more for them. Else, and where it holds none, they are 0.
 
@@ -108,7 +109,7 @@ def open(
     from tetrabench.mesh import TetraMesh
     from tetrabench.tetra.net import TetraNet
 
-    contestant: Any = registry.contestant("tetra", backend)
+    contestant: Any = registry.contestant("tetra", backend) if isinstance(backend, str) else backend
     if isinstance(path_or_mesh, TetraMesh):
         return TetraNet(path_or_mesh, contestant)
     net = TetraNet(read_mesh(path_or_mesh), contestant)

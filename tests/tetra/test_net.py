@@ -8,6 +8,7 @@ import weakref
 import numpy as np
 import pytest
 
+import tetrabench
 from tests.meshes import box, mesh_of, nozzle, pair, single
 from tests.oracle import OracleNet
 from tetrabench import registry
@@ -85,6 +86,13 @@ def test_what_it_says_of_itself(build):
     assert repr(net) == f"<TetraNet {net.contestant.name}: 2 tetras, 5 points>"
     net.close()
     assert repr(net) == f"<TetraNet {net.contestant.name}: closed>"
+
+
+def test_a_contestant_may_be_given_itself(build):
+    contestant = build(pair()).contestant
+    net = tetrabench.open(pair(), backend=contestant)
+    assert net.contestant is contestant
+    assert net.convert(contestant).contestant is contestant
 
 
 def test_points_one_by_one(build):

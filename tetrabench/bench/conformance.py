@@ -74,7 +74,7 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def check_contestant(name: str, family: str = "tetra", *, timeout_s: float = TIMEOUT_S) -> list[Verdict]:
-    """Examine a contestant by all rules of its family, in workers; a minute or two where all has to be compiled.
+    """Examine a contestant by all rules of its family, in workers; one to three minutes where all has to be compiled.
 
     Args:
         timeout_s: of one rule in one mode.

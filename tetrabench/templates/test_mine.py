@@ -9,7 +9,7 @@ import tetrabench
 
 
 def test_it_keeps_to_the_rules(monkeypatch: pytest.MonkeyPatch) -> None:
-    """In plain Python, with bounds checks, and compiled: a minute or two."""
+    """In plain Python, with bounds checks, and compiled: one to three minutes."""
     if not entry_points(group="tetrabench.contestants", value="mine:CONTESTANTS"):  # it is not installed: find it here
         monkeypatch.setenv("TETRABENCH_PLUGINS", str(Path(__file__).with_name("mine.py")))
     verdicts = tetrabench.check_contestant("mine", "FAMILY")

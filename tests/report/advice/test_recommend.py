@@ -180,7 +180,7 @@ def test_the_mix_decides():
 def test_says_what_to_use_and_what_it_costs_not_to():
     results = make_results(SECONDS, wobble=0.01)
     assert advice_of(asked(results, "alfa=1,delete=1")) == (
-        "Use v3y. The next one, v4, takes 1.9 times (1.90 to 1.94) as long as it."
+        "Use v3y. The next one, v4, takes 1.92 times (1.90 to 1.94) as long as it."
     )
     alone = make_results({"alfa": {"v3y": 1.0}})
     assert advice_of(asked(alone, "alfa=1")) == "v3y alone is left: use it."

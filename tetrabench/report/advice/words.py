@@ -119,7 +119,7 @@ def _next(one: Recommendation) -> Iterator[str]:
 def _long(beside: Multiple) -> str:
     if beside.is_bound:
         return f"at least {two_digits(beside.low)} times"
-    return f"{two_digits(beside.ratio)} times ({digits(beside.low)} to {digits(beside.high)})"
+    return f"{digits(beside.ratio)} times ({digits(beside.low)} to {digits(beside.high)})"
 
 
 def _against(beside: Multiple, first: str) -> str:
@@ -211,7 +211,7 @@ def _takes(beside: Multiple | None) -> Cell:
         return Cell("1")
     if beside.is_bound:
         return Cell(f">{times(beside.low)}", "slower")
-    text = {"slower": times(beside.ratio), "hint": f"{two_digits(beside.ratio)}?"}.get(beside.verdict, "unclear")
+    text = {"slower": f"{digits(beside.ratio)}x", "hint": f"{digits(beside.ratio)}?"}.get(beside.verdict, "unclear")
     return Cell(text, _COLOURS[beside.verdict])
 
 
