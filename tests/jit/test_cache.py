@@ -135,6 +135,57 @@ def test_one_file_under_two_names(tmp_path):
         assert done.stdout == "1.0\n", done.stderr
 
 
+HELPERS = "from numba import njit\nimport deeper\n\nFACTOR = {factor}\n\n@njit\ndef scaled(x):\n    return deeper.shifted(x)\n"
+
+DEEPER = "from numba import njit\n\n@njit\ndef shifted(x):\n    return x + {shift}\n"
+
+OWN_KERNEL = """
+import helpers
+from helpers import FACTOR, scaled
+from tetrabench.jit import kernel
+OFFSET = {offset}
+
+@kernel
+def own(x):
+    return scaled(x) * FACTOR + helpers.FACTOR + OFFSET
+
+if __name__ == "__main__":
+    print(own(1.0), sum(own.stats.cache_misses.values()))
+"""
+
+
+def test_what_an_own_kernel_names_in_other_files_recompiles(tmp_path):
+    """Functions, functions that these call, and constants; whether imported by name or through their module."""
+    environment = {**os.environ, "TETRABENCH_CACHE": str(tmp_path / "cache"), "PYTHONDONTWRITEBYTECODE": "1"}
+
+    def run(factor, shift, offset):
+        (tmp_path / "helpers.py").write_text(HELPERS.format(factor=factor))
+        (tmp_path / "deeper.py").write_text(DEEPER.format(shift=shift))
+        (tmp_path / "own.py").write_text(OWN_KERNEL.format(offset=offset))
+        words = [sys.executable, str(tmp_path / "own.py")]
+        done = subprocess.run(words, env=environment, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        answer, compiled = done.stdout.split()
+        assert float(answer) == (1.0 + shift) * factor + factor + offset
+        return int(compiled)
+
+    assert [run(2.0, 3.0, 5.0), run(2.0, 3.0, 5.0)] == [1, 0]
+    assert [run(7.0, 3.0, 5.0), run(7.0, 4.0, 5.0), run(7.0, 4.0, 6.0), run(7.0, 4.0, 6.0)] == [1, 1, 1, 0]
+
+
+def test_a_helper_beside_a_storage_recompiles(tmp_path):
+    """An implementation calls what lies in another file than its class."""
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path), "TETRABENCH_CACHE": str(tmp_path / "cache")}
+    environment["PYTHONDONTWRITEBYTECODE"] = "1"
+    (tmp_path / "shared.py").write_text(SHARED)
+    (tmp_path / "own.py").write_text(OWN.replace("numbers[1]", "numbers[deeper.shifted(0)]") + "\nimport deeper\n")
+    for shift in (0, 2):
+        (tmp_path / "deeper.py").write_text(DEEPER.format(shift=shift))
+        words = [sys.executable, "-c", LOADED_AS, "own", str(tmp_path / "own.py")]
+        done = subprocess.run(words, env=environment, capture_output=True, text=True)
+        assert done.stdout == f"{shift}.0\n", done.stderr
+
+
 def test_flags_have_caches_of_their_own(plugin):
     write, run = plugin
     write(index=3)  # one beyond the end

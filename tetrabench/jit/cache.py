@@ -4,8 +4,9 @@ numba's own cache has three traps, each of which was seen to spring:
 
 1. It looks at the file of the outermost function alone: a change in an implementation that was inlined from another
    file leaves a stale kernel. Here the folder of an entry carries a hash of every source file that the kernel can
-   have been made from: the kernel-bearing packages of the harness and of the family, and the distribution of each
-   storage class in its signature. (Not the whole package: editing a chart recompiles nothing.)
+   have been made from: the kernel-bearing packages of the harness and of the family, the distribution of each
+   storage class in its signature, and of what others have written also what it names: see `reach`. (Not the whole
+   package: editing a chart recompiles nothing.)
 2. Its key ignores the compiler's flags: a warm cache runs without bounds checks when they are asked for. Here the
    hash covers the flags.
 3. Its index is read and rewritten without a lock: processes that compile at once lose entries, or swap them. Here
@@ -37,6 +38,8 @@ from numba.core.caching import (
 )
 
 from tetrabench.folders import cache_root
+from tetrabench.jit.generic import implementations_of
+from tetrabench.jit.reach import is_foreign, reach
 
 _HARNESS = "tetrabench"
 _MACHINERY = f"{_HARNESS}.jit"
@@ -148,8 +151,10 @@ class _Cache(FunctionCache):  # type: ignore[misc]
         arguments = signature.args if hasattr(signature, "args") else signature
         storages = sorted(set(_storage_classes(arguments)), key=lambda cls: (cls.__module__, cls.__qualname__))
         label = "-".join(cls.__name__ for cls in storages if _is_contestants(cls.__module__)) or "common"
-        modules = tuple(sorted({self._py_func.__module__, *(cls.__module__ for cls in storages)}))
-        folder = Path(self._cache_path) / f"{label}-{_stamp(modules, _flags())[:16]}"
+        theirs = [one for cls in storages if is_foreign(cls.__module__) for one in implementations_of(cls)]
+        reached, constants = reach([self._py_func, *theirs])
+        modules = tuple(sorted({self._py_func.__module__, *(cls.__module__ for cls in storages), *reached}))
+        folder = Path(self._cache_path) / f"{label}-{_stamp(modules, tuple(sorted(constants)), _flags())[:16]}"
         folder.mkdir(parents=True, exist_ok=True)
         return folder
 
@@ -181,8 +186,8 @@ def _flags() -> str:
 
 
 @functools.cache
-def _stamp(modules: tuple[str, ...], flags: str) -> str:
-    digest = hashlib.sha256(flags.encode())
+def _stamp(modules: tuple[str, ...], constants: tuple[str, ...], flags: str) -> str:
+    digest = hashlib.sha256("\0".join([flags, *constants]).encode(errors="surrogatepass"))
     for package in sorted({package for module in modules for package in _packages(module)} | {_MACHINERY}):
         digest.update(package.encode() + b"\0")  # entries know classes by the names of their modules
         for path, content in _sources(package):
@@ -209,10 +214,10 @@ def _sources(package: str) -> Iterator[tuple[str, bytes]]:
         FileNotFoundError: there is no file, as of a cell of a notebook: nothing tells when it changes, so that what is
             made of it must not be kept.
     """
-    module = importlib.import_module(package)
     try:
+        module = importlib.import_module(package)
         file = inspect.getsourcefile(module)
-    except TypeError:
+    except (ImportError, TypeError, ValueError):
         file = None
     if file is None:
         raise FileNotFoundError(f"{package} was typed in")

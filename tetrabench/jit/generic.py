@@ -89,6 +89,11 @@ def is_implemented(function: Function, storage: type) -> bool:
     return storage in _IMPLEMENTATIONS[function]
 
 
+def implementations_of(storage: type) -> list[Function]:
+    """All functions that are implemented for `storage`, of any interface."""
+    return [table[storage] for table in _IMPLEMENTATIONS.values() if storage in table]
+
+
 def _bare(function: Function) -> inspect.Signature:
     """The signature without annotations, which numba would compare, too."""
     parameters = inspect.signature(function).parameters
