@@ -54,7 +54,7 @@ def test_a_broken_one_is_named_and_skipped(tmp_path):
     done = say("list", "backends", "--plugin", path)
     assert done.exit_code == 0
     assert done.stderr == (
-        "tetrabench: skipped plug-in broken.py: cannot be imported: ZeroDivisionError: division by zero\n"
+        "tetrabench: skipped plug-in broken.py: cannot be imported: ZeroDivisionError: division by zero (broken.py:1)\n"
     )
     assert "v3y" in done.stdout
     done = say("run", "--backend", "mine", "--plugin", path, "--model", "box", "--tets", "300")

@@ -199,7 +199,7 @@ def test_what_to_use_comes_first_where_the_run_has_what_the_work_needs(text):
     results.tasks[:] = [msgspec.structs.replace(one, options=counts.get(one.name, {})) for one in results.tasks]
     page = make_page([("run", results)])
     assert page.index('<section id="advice">') < page.index('<section id="measured">')
-    assert '<th scope="row">simulation</th><td>use v3y</td><td>v4 2.0x</td>' in page
+    assert '<th scope="row">simulation</th><td>use v3y</td><td>v4 2.00x</td>' in page
     several = [msgspec.structs.replace(one, against=one.name) for one in results.backends if not one.control]
     assert 'id="advice"' not in make_page([("gate", msgspec.structs.replace(results, backends=several))])
 
