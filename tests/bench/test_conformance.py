@@ -187,6 +187,13 @@ def test_exceptions_are_sentences_and_no_more_than_some_are_told():
         faults_of(Rules(raising), None, "other")
 
 
+def test_a_name_that_is_not_there_is_said_before_any_is_examined(monkeypatch):
+    monkeypatch.setattr("tetrabench.bench.conformance.examine", lambda *_, **__: pytest.fail("it was examined"))
+    done = say("check", "--contestant", "by-node,nobody", "--family", "polygon")
+    assert done.exit_code == 2
+    assert "no backend 'nobody' in the family polygon; there are: by-node" in done.stderr
+
+
 def test_notes_that_were_not_taken_say_nothing(tmp_path):
     notes = tmp_path / "notes"
     assert place_of(notes) == ""

@@ -88,6 +88,13 @@ def test_what_it_says_of_itself(build):
     assert repr(net) == f"<TetraNet {net.contestant.name}: closed>"
 
 
+def test_a_closed_net_takes_no_storage(build):
+    net, other = build(pair()), build(pair())
+    net.close()
+    with pytest.raises(InputError, match="this net is closed"):
+        net.storage = other.storage
+
+
 def test_a_contestant_may_be_given_itself(build):
     contestant = build(pair()).contestant
     net = tetrabench.open(pair(), backend=contestant)

@@ -8,6 +8,7 @@ import click
 from click.core import ParameterSource
 
 from tetrabench.cli.speech import RunProgress, patience, tabulate
+from tetrabench.errors import find_named
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -42,7 +43,9 @@ def examine_all(ctx: click.Context, names: Sequence[str], family: str, form: str
     verdicts: list[Verdict] = []
     with Inquiry() as guide:
         with patience("looking up backends"):
-            guide.describe(family)
+            known = {one.name: one for one in guide.describe(family).contestants}
+        for name in names:  # before the first is examined, which takes minutes
+            find_named("backend", known, name, f"in the family {family}")
         with RunProgress() as progress:
 
             def step(phase: str, detail: str, done: int, total: int) -> None:

@@ -203,8 +203,10 @@ def _subject_options() -> list[Callable[..., Any]]:
         "A count of a scenario, such as alfa.sweeps=10, or an option of a backend; several values (1,2 or 1..9) make a "
         "sweep. The verb `list` shows both."
     )
-    model_help = "A mesh file, or a model to generate.  [default: the family's, of 30k elements; of run, where "
-    "nothing is named, a small one]"
+    model_help = (
+        "A mesh file, or a model to generate.  [default: the family's, of 30k elements; of run, where nothing is named, a "
+        "small one]"
+    )
     return [
         click.option("--model", metavar="FILE|NAME", help=model_help),
         family_option,

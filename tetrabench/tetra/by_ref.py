@@ -14,8 +14,8 @@ from tetrabench.tetra.interface import Net
 class ByRef:
     """Views of a net's fields, one row a slot: row t is tetra t's, and rows of holes hold anything.
 
-    They are views until the net grows (an insertion or a split may do that): take them anew after edits. All but `states` must
-    not be written to.
+    They are views until the net grows (an insertion or a split may do that) or an `edit` is undone: take them anew after
+    edits. All but `states` must not be written to.
 
     | field | property arrays: v3, v3x, v3y | records: v5, v5x, v5y | halfface | linked nodes: v4 |
     |---|---|---|---|---|

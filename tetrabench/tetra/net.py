@@ -94,6 +94,8 @@ class TetraNet:
 
     @storage.setter
     def storage(self, storage: Net) -> None:
+        if not self._box:
+            raise InputError("this net is closed: its memory was given back")
         self._box[0] = storage
 
     def close(self) -> None:
@@ -360,7 +362,7 @@ class TetraNet:
         An exception that leaves the block takes the net back to where it was when it began, bit for bit: tetras, points,
         states, refs, the order of iteration; it is then raised again. Everything is undone, by whomever it was done, a
         kernel of yours on `net.storage` too. A copy of the net is taken first: that costs as long, and as much memory, as
-        `copy`.
+        `copy`; where the block fails it is the net from then on, and what was taken of `storage` or `by_ref` before is dead.
 
         >>> import tetrabench
         >>> net = tetrabench.open(tetrabench.generate("box", 48))
