@@ -388,6 +388,13 @@ def _fields(contestant: TetraContestant) -> Iterator[str]:
     yield from ()
 
 
+def _give_states(net: TetraNet, twin: Twin, beyond: float) -> None:
+    """States that differ from tetra to tetra and from place to place, to a net and to its twin."""
+    for n, states in enumerate(twin.states.values()):
+        states[:] = [n + beyond, -n, 1 / (n + 1), 1e-300, 1e9]
+    net.states = np.array([twin.states[tetra] for tetra in _look(net.storage, "before set_state").known])
+
+
 _COLUMNS = {
     "vertex": (0, 4),
     "neighbour": (4, 8),
@@ -409,11 +416,11 @@ def _columns(contestant: TetraContestant) -> Iterator[str]:
             return
         net.delete(net.last)
         net.states = np.arange(5.0 * len(net)).reshape(-1, 5)
-        for told, look in (("", _look(storage, "set_state")), (" after it was written to", None)):
+        for told in ("", " after it was written to"):
             columns = interface.columns(storage)
-            if look is None and "state" in columns:
+            if told and "state" in columns:
                 columns["state"][:] += 0.5
-            look = look or _look(storage, "columns: states were written to")
+            look = _look(storage, f"columns{told}")
             for name, column in columns.items():
                 if name not in _COLUMNS:
                     raise _Broken(f"columns: there is no field {name!r}; there are {', '.join(_COLUMNS)}")
@@ -438,9 +445,7 @@ def _growth(contestant: TetraContestant) -> Iterator[str]:
         t = _look(old, "a fresh net").known[tetra]
         _delete(old, twin, tetra, t)
         _compare(old, twin, f"delete_tetra({t})")
-        for n, states in enumerate(twin.states.values()):
-            states[:] = [n + 0.5, -n, 1 / (n + 1), 0.0, 1e9]
-        net.states = np.array([twin.states[tetra] for tetra in _look(old, "delete_tetra").known])
+        _give_states(net, twin, 0.5)
         before = _look(old, "set_state")
         more = min(before.numbers[3], before.numbers[4], 10_000) + 50
         new = net.storage = edit.reserve(old, more, 60)
@@ -661,10 +666,8 @@ def _split(contestant: TetraContestant) -> Iterator[str]:
     mesh = _box()
     with TetraNet(mesh, contestant) as net:
         twin = Twin(mesh)
+        _give_states(net, twin, 1.0)
         look = _look(net.storage, "a fresh net")
-        for n, states in enumerate(twin.states.values()):
-            states[:] = [n + 1.0, n + 0.5, -n, 0.0, 1e-300]
-        net.states = np.array([twin.states[tetra] for tetra in look.known])
         chosen = [twin.tetras[n] for n in (7, 2, 11)]
         centre = twin.centroid(chosen[1])
         net.storage = edit.reserve(net.storage, 0, 1)
@@ -726,10 +729,7 @@ def _undone(contestant: TetraContestant) -> Iterator[str]:
     mesh = _box()
     with TetraNet(mesh, contestant) as net:
         twin = Twin(mesh)
-        look = _look(net.storage, "a fresh net")
-        for n, states in enumerate(twin.states.values()):
-            states[:] = [n + 0.5, -n, 1 / (n + 1), 0.0, 1e9]
-        net.states = np.array([twin.states[tetra] for tetra in look.known])
+        _give_states(net, twin, 0.5)
         before, did = _look(net.storage, "set_state"), "an edit that was undone (hold, let_go)"
         try:
             with net.edit():
@@ -761,10 +761,7 @@ def _change(net: TetraNet, twin: Twin) -> None:
     for tetra in chosen:
         twin.split(tetra)
     net.split([known[tetra] for tetra in chosen])
-    look = _look(net.storage, "split_many")
-    for n, states in enumerate(twin.states.values()):
-        states[:] = [n - 0.5] * 5
-    net.states = np.array([twin.states[tetra] for tetra in look.known])
+    _give_states(net, twin, -0.5)
 
 
 @_rule
