@@ -98,7 +98,7 @@ def members(table: Table, group: str) -> Iterator[Any]:
     """The sound members of a table; what is wrong with the others, or with all of it, is skipped."""
     try:
         loaded = table.load()
-        found = [loaded] if group == "families" and table.family else list(loaded)  # an entry point is one family
+        found = [loaded] if group == "families" and table.family else _listed(loaded)  # an entry point is one family
     except (Exception, SystemExit) as error:  # whatever a plug-in does at import
         skip(table.owner, error if isinstance(error, PluginError) else f"cannot be imported: {_spell(error)}")
         return
@@ -108,6 +108,13 @@ def members(table: Table, group: str) -> Iterator[Any]:
             skip(table.owner, reason)
         else:
             yield member
+
+
+def _listed(table: Iterable[Any]) -> list[Any]:
+    """The members of a table that may be asked for again: the first to look would leave an iterator empty."""
+    if isinstance(table, Iterator):
+        raise PluginError(f"a table of it is a {type(table).__name__}, which can be read but once; make it a tuple")
+    return list(table)
 
 
 def files() -> list[Path]:

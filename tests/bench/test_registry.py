@@ -180,7 +180,7 @@ from tetrabench.scenarios.tetra.alfa import Alfa
 class Mine(Alfa):
     name = "mine-alfa"
 
-CONTESTANTS = (dataclasses.replace(one, name=f"my-{one.name}") for one in THEIRS[:1])
+CONTESTANTS = [dataclasses.replace(one, name=f"my-{one.name}") for one in THEIRS[:1]]
 SCENARIOS = [Mine()]
 MODELS = [dataclasses.replace(BOX, name="my-box")]
 """
@@ -217,6 +217,10 @@ class TestFiles:
             ("1/0", "cannot be imported: ZeroDivisionError: division by zero"),
             ("raise SystemExit", "cannot be imported: SystemExit"),
             ("\0", "cannot be imported: "),
+            (
+                MINE.replace("[dataclasses", "(dataclasses", 1).replace("[:1]]", "[:1])"),
+                "a table of it is a generator, which can be read but once; make it a tuple",
+            ),
             ("THINGS = []", "has none of the tables FAMILIES, CONTESTANTS, SCENARIOS, MODELS"),
             ("class One:\n    name = title = 'mine'\nMODELS = [One]", "mine does not say its family"),
             (
