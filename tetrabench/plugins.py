@@ -12,12 +12,15 @@ import sys
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from importlib.metadata import EntryPoint, entry_points
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Annotated, Any
+
+import msgspec
+from msgspec import Meta
 
 from tetrabench.errors import InputError, PluginWarning
 from tetrabench.printable import printable
@@ -34,6 +37,18 @@ GROUPS = ("families", "contestants", "scenarios", "models", "workloads", "source
 
 _KINDS: Mapping[str, type] = {"families": Family, "contestants": Contestant, "scenarios": Scenario}
 _NAME = re.compile(r"\w[\w.+-]*")
+
+_Word = Annotated[str, Meta(pattern=f"^{_NAME.pattern}$")]
+_OPTIONS = dict[_Word, Any]
+_COUNTS = dict[_Word, int]
+_FACTS: Mapping[str, Mapping[str, Any]] = {
+    "families": {"reference": str, "default_model": str, "size_option": str, "thesis_order": list[str]},
+    "contestants": {"title": str, "trade_off": str, "extension": bool, "is_exact": bool, "options": _OPTIONS},
+    "scenarios": {"title": str, "parallel": bool, "options": _COUNTS, "thesis": _COUNTS},
+    "models": {"title": str},
+    "workloads": {"title": str, "mix": dict[str, Annotated[float, Meta(ge=0, le=sys.float_info.max)]]},
+}
+"""What members of each group must hold, beside a name: tables, verbs and pages take it for granted."""
 
 
 class PluginError(Exception):
@@ -191,32 +206,38 @@ def _what_is_wrong(member: Any, group: str, family: str | None) -> str:
         name = member.name
         if not isinstance(name, str) or not _NAME.fullmatch(name):
             return f"{name!r} is no name for one of its {group}: letters, digits, - and . in a word"
-        kind = _KINDS.get(group)
-        wanted = [attribute for attribute in vars(kind) if not attribute.startswith("_")] if kind else ["title"]
-        missing = [attribute for attribute in wanted if not hasattr(member, attribute)]
+        facts = _FACTS[group]
+        wanted = [attribute for attribute in vars(_KINDS.get(group, object)) if not attribute.startswith("_")]
+        missing = [attribute for attribute in dict.fromkeys([*wanted, *facts]) if not hasattr(member, attribute)]
         if missing:
             return f"{name} has no {', '.join(missing)}, which all {group} have"
-        if group == "families":
-            return "" if family in (None, name) else f"the family {name} is registered under another name, {family}"
+        if group == "families" and family not in (None, name):
+            return f"the family {name} is registered under another name, {family}"
         if family not in (None, getattr(member, "family", family)):
             return f"{name} belongs to the family {member.family}, and is registered under {family}"
-        if family is None and not isinstance(getattr(member, "family", None), str):
+        if group != "families" and family is None and not isinstance(getattr(member, "family", None), str):
             return f"{name} does not say its family"
-        return _wrong_options(member, group)
+        return next(filter(None, (_wrong_fact(member, fact, kind) for fact, kind in facts.items())), "") or (
+            f"{name} has counts in `thesis` that are not in its `options`"
+            if group == "scenarios" and not set(member.thesis) <= set(member.options)
+            else ""
+        )
     except Exception as error:  # a property may raise anything
         return f"one of its {group}, a {type(member).__name__}, is none: {_spell(error)}"
 
 
-def _wrong_options(member: Any, group: str) -> str:
-    """What is wrong with the options of a contestant, or the counts of a scenario; "" where nothing is."""
-    wanted: type = {"contestants": Option, "scenarios": int}.get(group, object)
-    if group not in ("contestants", "scenarios"):
-        return ""
-    for name, value in dict(member.options).items():
-        if not isinstance(name, str) or not _NAME.fullmatch(name) or not isinstance(value, wanted):
-            return f"{member.name} has an option {name!r} that is none: {value!r} is no {wanted.__name__}"
-    if group == "scenarios" and not set(member.thesis) <= set(member.options):
-        return f"{member.name} has counts in `thesis` that are not in its `options`"
+def _wrong_fact(member: Any, fact: str, kind: Any) -> str:
+    """What is wrong with one of a member's attributes, that should be of this kind; "" where nothing is."""
+    value = getattr(member, fact)
+    try:
+        msgspec.convert(value, kind)
+        for name, option in value.items() if kind == _OPTIONS else ():
+            if not isinstance(option, Option):
+                return f"{member.name} has an option {name!r} that is none: {option!r:.60} is no Option"
+            if not option.least <= msgspec.convert(asdict(option), Option).value <= option.most:
+                return f"{member.name} has an option {name!r} whose value is beyond its own limits: {option!r:.90}"
+    except msgspec.ValidationError as error:
+        return f"the `{fact}` of {member.name}, {value!r:.90}, cannot be: {error}"
     return ""
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from tetrabench import plugins
 from tetrabench.errors import InputError, find_named
-from tetrabench.plugins import OURS, Table
+from tetrabench.plugins import OURS, PluginError, Table
 from tetrabench.protocols import Contestant, Family, Option, Options, Scenario, Workload
 from tetrabench.sources import Source
 
@@ -102,10 +102,14 @@ def source(family_name: str) -> Source:
     """What the source of a family published.
 
     Raises:
-        InputError: the family has no source.
+        InputError: the family has no source, or one that cannot be imported.
     """
     known = {table.family: table for table in reversed(plugins.tables("sources")) if table.family}
-    found: Source = find_named("source of the family", known, family_name).load()
+    table = find_named("source of the family", known, family_name)
+    try:
+        found: Source = table.load()
+    except PluginError as error:
+        raise InputError(f"the source of the family {family_name}: plug-in {table.owner}: {error}") from error
     return found
 
 

@@ -105,13 +105,26 @@ class TestBrokenPlugins:
                 "CONTESTANTS = [Full(name='mine', options={'a': 7})]",
                 "mine has an option 'a' that is none: 7 is no Option",
             ),
-            ("CONTESTANTS = [Full(name='mine', options=3)]", "one of its contestants, a Full, is none: TypeError"),
+            ("CONTESTANTS = [Full(name='mine', options=3)]", "the `options` of mine, 3, cannot be: Expected `object`"),
+            ("CONTESTANTS = [Full(name='mine', options={'a b': TWO})]", "the `options` of mine, {'a b': Option("),
+            (
+                "CONTESTANTS = [Full(name='mine', options={'a': Option(0.5, 0, 1, 'x')})]",
+                "the `options` of mine, {'a': Option(value=0.5, least=0, most=1, title='x')}, cannot be: Expected `int`",
+            ),
+            (
+                "CONTESTANTS = [Full(name='mine', options={'a': Option(0, 1, 2, 'x')})]",
+                "mine has an option 'a' whose value is beyond its own limits: Option(value=0, least=1",
+            ),
+            ("CONTESTANTS = [Full(name='mine', title=None)]", "the `title` of mine, None, cannot be: Expected `str`"),
+            ("CONTESTANTS = [Full(name='mine', is_exact='no')]", "the `is_exact` of mine, 'no', cannot be: Expected"),
             ("CONTESTANTS = [Full(name='steady')]", "the contestant 'steady' is defined twice; that of "),
         ],
     )
     def test_a_table_that_is_odd(self, install, table, reason):
         head = (
             "from types import SimpleNamespace as One\n"
+            "from tetrabench.protocols import Option\n"
+            "TWO = Option(1, 0, 2, 'x')\n"
             "class Full(One):\n"
             "    title = trade_off = 'x'\n    family = 'scripted'\n    extension = False\n    options = {}\n"
             "    is_exact = True\n"
@@ -124,6 +137,48 @@ class TestBrokenPlugins:
         assert "steady" in [one.name for one in known]
         assert not any(type(one).__name__ in ("Full", "One") for one in known)
         assert len(registry.skipped()) == 1
+
+    @pytest.mark.usefixtures("plugin")
+    @pytest.mark.parametrize(
+        ("group", "fact", "reason"),
+        [
+            ("scenarios", "thesis={'turns': 0.5}", "the `thesis` of mine, {'turns': 0.5}, cannot be: Expected `int`"),
+            ("scenarios", "thesis={'turns': 5}", "mine has counts in `thesis` that are not in its `options`"),
+            ("scenarios", "options={'turns': True}", "the `options` of mine, {'turns': True}, cannot be"),
+            ("scenarios", "parallel=None", "the `parallel` of mine, None, cannot be"),
+            (
+                "workloads",
+                "mix={'first': 'often'}",
+                "the `mix` of mine, {'first': 'often'}, cannot be: Expected `float`",
+            ),
+            (
+                "workloads",
+                "mix={'first': -1.0}",
+                "the `mix` of mine, {'first': -1.0}, cannot be: Expected `float` >= 0",
+            ),
+            ("workloads", "mix={'first': float('nan')}", "the `mix` of mine, {'first': nan}, cannot be"),
+            ("workloads", "mix=None", "the `mix` of mine, None, cannot be"),
+            ("workloads", "title=7; mix={}", "the `title` of mine, 7, cannot be: Expected `str`, got `int`"),
+            ("workloads", "", "mine has no mix, which all workloads have"),
+        ],
+    )
+    def test_a_fact_of_a_wrong_type(self, install, group, fact, reason):
+        base = "scripted_plugin.Scenario" if group == "scenarios" else "object"
+        table = (
+            f"import scripted_plugin\nclass One({base}):\n    name = title = 'mine'\n    family = 'scripted'\n    {fact}\n"
+            "TABLE = [One.__new__(One)]\n"
+        )
+        sys.modules.pop("odd_fact", None)
+        install("zodd", f"[tetrabench.{group}]\nscripted = odd_fact:TABLE\n", odd_fact=table)
+        with skipped_by("zodd: " + re.escape(reason)):
+            known = getattr(registry, group)("scripted")
+        assert len(known) == (4 if group == "scenarios" else 0)
+
+    @pytest.mark.usefixtures("plugin")
+    def test_a_source_that_cannot_be_imported(self, install):
+        install("zodd", "[tetrabench.sources]\nscripted = no_such_source:SOURCE\n")
+        with pytest.raises(InputError, match="the source of the family scripted: plug-in zodd: cannot import no_such"):
+            registry.source("scripted")
 
     @pytest.mark.usefixtures("plugin")
     def test_a_sound_member_beside_a_broken_one(self, install):
