@@ -176,6 +176,24 @@ def test_convert_does_not_overwrite_what_it_reads(tmp_path: Path) -> None:
     assert "File name too long" in refusal("convert", tmp_path / "a.vtk", tmp_path / f"{'a' * 300}.vtk")
 
 
+def test_convert_does_not_overwrite_what_a_deck_includes(tmp_path: Path) -> None:
+    write_mesh(generate("box", 48), tmp_path / "all.nas")
+    lines = (tmp_path / "all.nas").read_text().splitlines(keepends=True)
+    grids = [number for number, line in enumerate(lines) if line.startswith("GRID")]
+    first, last = grids[0], grids[-1] + 1
+    (tmp_path / "grids.nas").write_text("".join(lines[first:last]))
+    (tmp_path / "deck.nas").write_text("".join([*lines[:first], "INCLUDE 'grids.nas'\n", *lines[last:]]))
+    (tmp_path / "link.nas").symlink_to(tmp_path / "grids.nas")
+    before = {file.name: file.read_bytes() for file in tmp_path.iterdir()}
+    for target in ("deck.nas", "grids.nas", "link.nas"):
+        said = refusal("convert", tmp_path / "deck.nas", tmp_path / target)
+        assert f"{target}: is what is read, and would be lost; write to another file" in said
+    assert {file.name: file.read_bytes() for file in tmp_path.iterdir()} == before
+    rows = [line.split() for line in say("info", tmp_path / "deck.nas").stdout.splitlines()]
+    assert ["included", str(tmp_path / "grids.nas")] in rows
+    assert say("convert", tmp_path / "deck.nas", tmp_path / "all.nas").exit_code == 0
+
+
 def test_convert_renumbers_and_nothing_else(tmp_path: Path) -> None:
     write_mesh(generate("box", 48), tmp_path / "a.vtk")
     orders = {}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import is_dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -109,11 +110,16 @@ def convert(source: Path, target: Path, numbering: str, seed: int, repair: str, 
 
     kinds = all_kinds()
     check_any_target(source, target, field, kinds)
-    if is_file(target) and any(is_file(file) and file.samefile(target) for file in (source, *partners(source))):
-        raise InputError(f"{target}: is what is read, and would be lost; write to another file")
+
+    def refuse_if_read(files: Iterable[Path]) -> None:
+        if is_file(target) and any(is_file(file) and file.samefile(target) for file in files):
+            raise InputError(f"{target}: is what is read, and would be lost; write to another file")
+
+    refuse_if_read((source, *partners(source)))
     with patience(f"reading {source}"):
         model = read_any(source, unused=unused, repair=repair, kinds=kinds)
     kind = kind_of(model, kinds)
+    refuse_if_read(map(Path, kind.included(model)))
     with patience(f"renumbering {kind.count(model)}"):
         model = kind.renumber(model, numbering, seed)
     with patience(f"writing {target}"):

@@ -44,6 +44,7 @@ class Kind:
         describe: (model) -> all that it consists of, in words.
         inspect: (model) -> a dataclass of what there is to say about it, with `warnings` and `refusal` among that.
         tell: (model, unused) -> what became of the file that it was read from, a sentence each.
+        included: (model) -> paths of other files that were read because that one includes them.
         repairs: what --repair drop does to a file that is refused.
         drawn_by: which verb draws one, "{}" its name, where `view` does not.
         family: that runs on them are of, "" where nobody can say what these need.
@@ -63,6 +64,7 @@ class Kind:
     source: Callable[[Any], str]
     inspect: Callable[[Any], Any]
     tell: Callable[[Any, str], list[str]]
+    included: Callable[[Any], Sequence[str]] = lambda model: ()
     repairs: str = ""
     drawn_by: str = ""
     family: str = ""
@@ -128,6 +130,7 @@ TETRAS = Kind(
     source=lambda mesh: mesh.report.source,
     inspect=_inspect_tetras,
     tell=_tell_tetras,
+    included=lambda mesh: mesh.report.included,
     repairs="leaves these tetras out",
     family="tetra",
 )

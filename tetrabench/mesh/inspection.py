@@ -68,6 +68,7 @@ class Inspection:
     Attributes:
         source: path of the file, or the words that describe a generated model.
         format: name of the file's format, "" for a generated model.
+        included: paths of other files that were read because the file includes them.
         points: points, those that no tetra uses included.
         tetras: tetras.
         components: parts of tetras that are joined through sides.
@@ -98,6 +99,7 @@ class Inspection:
 
     source: str
     format: str
+    included: list[str]
     points: int
     tetras: int
     components: int
@@ -151,6 +153,7 @@ def inspect_mesh(mesh: TetraMesh) -> Inspection:
     return Inspection(
         source=report.source,
         format=report.format,
+        included=report.included,
         points=len(points),
         tetras=len(tets),
         components=count_components(neighbours),

@@ -16,6 +16,7 @@ class MeshReport:
     Attributes:
         source: path of the file, or the words that describe a generated model.
         format: name of the file's format, "" for a generated model.
+        included: paths of other files that were read because the file includes them.
         skipped: cards or cells of the file that are no part of the mesh, name -> count.
         quadratic: tetras with midside nodes, of which the corners alone are used.
         values: names of the numbers that the file holds for its points and cells; they are no part of the mesh.
@@ -28,6 +29,7 @@ class MeshReport:
 
     source: str = ""
     format: str = ""
+    included: list[str] = field(default_factory=list)
     skipped: dict[str, int] = field(default_factory=dict)
     quadratic: int = 0
     values: list[str] = field(default_factory=list)

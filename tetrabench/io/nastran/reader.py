@@ -137,7 +137,13 @@ class _Deck:
     def mesh(self, *, unused: str, repair: str) -> TetraMesh:
         """The mesh of a deck that was read to its end."""
         deck, state = self.deck, self.deck.state
-        report = MeshReport(source=str(self.main), format="Nastran", skipped=self.count_names(), warnings=self.warnings)
+        report = MeshReport(
+            source=str(self.main),
+            format="Nastran",
+            included=list(dict.fromkeys(str(source.path) for source in self.sources))[1:],
+            skipped=self.count_names(),
+            warnings=self.warnings,
+        )
         points, tets = int(state[scanning.POINTS]), int(state[scanning.TETS])
         if not tets:
             cards = {"GRID": points} | report.skipped
