@@ -27,6 +27,15 @@ def test_it_is_listed_and_forgotten_again(mine):
     assert "TETRABENCH_PLUGINS" not in os.environ
 
 
+def test_a_path_that_would_be_two(mine):
+    (mine.parent / "a:b").mkdir()
+    mine.rename(mine.parent / "a:b" / "mine.py")
+    done = say("list", "backends", "--plugin", mine.parent / "a:b" / "mine.py")
+    assert done.exit_code == 2
+    assert "a plug-in cannot lie at a path with ':'" in done.output
+    assert done.output.count("\n") == 1
+
+
 def test_it_takes_part_in_a_run(mine, tmp_path):
     words = ("--model", "my-box", "--tets", "400", "--backend", "v3,my-v3", "--scenario", "mine-alfa")
     done = say("check", *words, "--plugin", mine)

@@ -140,9 +140,18 @@ def files() -> list[Path]:
 
 @contextmanager
 def using(paths: Iterable[str | os.PathLike[str]]) -> Iterator[None]:
-    """Name plug-in files beside those that are named already, for this process and those that it spawns."""
+    """Name plug-in files beside those that are named already, for this process and those that it spawns.
+
+    Raises:
+        InputError: a path with what stands between two in `VARIABLE`.
+    """
     before = os.environ.get(VARIABLE)
     named = [*files(), *(Path(path).absolute() for path in paths)]
+    for path in named:
+        if os.pathsep in str(path):
+            raise InputError(
+                f"{path}: a plug-in cannot lie at a path with '{os.pathsep}', which parts two paths; move it"
+            )
     os.environ[VARIABLE] = os.pathsep.join(map(str, named))
     try:
         yield

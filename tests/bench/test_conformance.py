@@ -1,8 +1,10 @@
 """check --contestant: crashes, endless loops and what cannot be compiled become sentences; answers are compared."""
 
 import json
+import re
 from pathlib import Path
 
+import msgspec
 import pytest
 from click.testing import CliRunner
 from numba import config
@@ -11,6 +13,7 @@ from tests.examined import environment
 from tetrabench.bench.catalogue import Inquiry
 from tetrabench.bench.conformance import CHECKED, COMPILED, FAULTY, NOT_TRIED, PLAIN, SOUND, check_contestant, examine
 from tetrabench.bench.examination import faults_of, noted, place_of
+from tetrabench.bench.spawn import WorkerProcess
 from tetrabench.cli import main
 from tetrabench.errors import InputError
 from tetrabench.protocols import Rule
@@ -124,6 +127,61 @@ def test_answers_are_compared_with_those_of_the_reference():
     faults, statuses = examined("scripted", "lazy")
     assert faults == {}
     assert statuses["scenario second", COMPILED] == NOT_TRIED
+
+
+@pytest.mark.usefixtures("plugin")
+def test_what_could_not_be_compared_is_said():
+    done = say("check", "--contestant", "lazy", "--family", "scripted")
+    assert done.exit_code == 0
+    *_, why, last = done.stdout.splitlines()
+    assert why.startswith("scenario second, not compared: ")
+    assert re.fullmatch(r"lazy does what is asked of it \(\d+ s\); 1 of 4 scenarios were not compared", last)
+
+    with Inquiry() as guide:
+        known = guide.describe("scripted")
+
+    class Guide:
+        def describe(self, family):
+            return msgspec.structs.replace(known, reference="crashing-small")
+
+    [odd] = [one for one in examine("scripted", "other", guide=Guide()) if one.status != SOUND]
+    assert (odd.rule, odd.status, odd.faults) == ("scenario second", NOT_TRIED, [])
+    assert odd.note.startswith(
+        "crashing-small, which tells what is right, has no answer: the process ended with signal"
+    )
+
+
+@pytest.mark.usefixtures("plugin")
+def test_whoever_gives_up_does_not_wait_for_what_does_not_end(monkeypatch):
+    ends = []
+
+    def note(name):
+        usual = getattr(WorkerProcess, name)
+        monkeypatch.setattr(WorkerProcess, name, lambda worker: (ends.append(name), usual(worker)))
+
+    def interrupt(phase, detail, done, total):
+        if detail == "second":
+            raise KeyboardInterrupt
+
+    with Inquiry() as guide:
+        note("close")
+        note("kill")
+        with pytest.raises(KeyboardInterrupt):
+            list(examine("scripted", "other", guide=guide, step=interrupt))
+        assert ends == ["kill"] * 2
+        ends.clear()
+        list(examine("scripted", "other", guide=guide))
+        assert ends == ["close", "kill"] * 2
+
+
+def test_a_rule_has_five_minutes_unless_somebody_says_otherwise(monkeypatch):
+    given = []
+    monkeypatch.setattr(
+        "tetrabench.bench.conformance.examine", lambda *_, timeout_s, **__: given.append(timeout_s) or ()
+    )
+    for words in ((), ("--timeout", "20s"), ("--timeout", "1h")):
+        say("check", "--contestant", "by-node", "--family", "polygon", *words)
+    assert given == [300.0, 20.0, 3600.0]
 
 
 @pytest.mark.usefixtures("plugin")

@@ -7,6 +7,7 @@ scenarios run on the family's small model, compiled, and their answers are compa
 
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -61,6 +62,7 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
         mode: one of MODES.
         status: SOUND, FAULTY, or NOT_TRIED, because of what was found before.
         faults: what is wrong, a sentence each.
+        note: why it was not tried, where that is not because of what was found before.
         wall_s: how long that took, compiling included, in seconds.
     """
 
@@ -70,6 +72,7 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
     mode: str
     status: str
     faults: list[str] = []
+    note: str = ""
     wall_s: float = 0.0
 
 
@@ -132,10 +135,11 @@ class _Examiner:
 
     def scenarios(self, *, is_tried: bool) -> Iterator[Verdict]:
         """Whether the answers to all scenarios are the reference's."""
-        title = f"those of {self._known.reference}, bit by bit"
+        reference = self._known.reference
+        title = f"those of {reference}, bit by bit"
         with (
             self._worker(self._contestant, MODES[COMPILED]) as ours,
-            self._worker(self._known.reference, MODES[COMPILED]) as theirs,
+            self._worker(reference, MODES[COMPILED]) as theirs,
         ):
             for scenario in self._known.scenarios:
                 self._tell("scenarios", scenario.name)
@@ -143,18 +147,19 @@ class _Examiner:
                 if not is_tried:
                     yield self._verdict(name, title, COMPILED, NOT_TRIED)
                     continue
-                begin = perf_counter()
-                fault, digest = _answer(ours, scenario)
-                if digest is not None:
-                    _, wanted = _answer(theirs, scenario)
-                    if wanted is None:
-                        digest = None  # nobody tells what is right
-                    elif digest != wanted:
-                        fault = (
-                            f"digest of {name} on the small model is {digest}, that of {self._known.reference} {wanted}"
-                        )
-                status = FAULTY if fault else SOUND if digest else NOT_TRIED
-                yield self._verdict(name, title, COMPILED, status, [fault] if fault else [], perf_counter() - begin)
+                begin, fault, note = perf_counter(), "", ""
+                own = _answer(ours, scenario)
+                if isinstance(own, Failure):
+                    fault = f"{name}: {own.reason}"
+                elif isinstance(own, Skipped):
+                    note = own.reason
+                elif isinstance(wanted := _answer(theirs, scenario), Failure | Skipped):
+                    note = f"{reference}, which tells what is right, has no answer: {wanted.reason}"
+                elif own != wanted:
+                    fault = f"digest of {name} on the small model is {own}, that of {reference} {wanted}"
+                status = FAULTY if fault else NOT_TRIED if note else SOUND
+                faults = [fault] if fault else []
+                yield self._verdict(name, title, COMPILED, status, faults, perf_counter() - begin, note)
 
     def _faults(self, worker: "_Immortal", rule: RuleFacts) -> list[str]:
         self._notes.unlink(missing_ok=True)
@@ -177,7 +182,14 @@ class _Examiner:
         self._done += 1
 
     def _verdict(
-        self, rule: str, title: str, mode: str, status: str, faults: list[str] | None = None, wall_s: float = 0.0
+        self,
+        rule: str,
+        title: str,
+        mode: str,
+        status: str,
+        faults: list[str] | None = None,
+        wall_s: float = 0.0,
+        note: str = "",
     ) -> Verdict:
         return Verdict(
             contestant=self._contestant,
@@ -186,6 +198,7 @@ class _Examiner:
             mode=mode,
             status=status,
             faults=faults or [],
+            note=note,
             wall_s=wall_s,
         )
 
@@ -200,9 +213,11 @@ class _Immortal:
     def __enter__(self) -> "_Immortal":
         return self
 
-    def __exit__(self, *_: Any) -> None:
-        if self._worker is not None:
+    def __exit__(self, kind: type[BaseException] | None, *_: Any) -> None:
+        if self._worker is not None and kind is None:
             self._worker.close()
+        elif self._worker is not None:  # somebody gave up: it may be in the midst of what does not end
+            self._worker.kill()
 
     def ask(self, request: Request) -> Reply | WorkerDied:
         """The reply, or how the worker died over it."""
@@ -220,17 +235,21 @@ class _Immortal:
             return death
 
 
-def _answer(worker: _Immortal, scenario: ScenarioFacts) -> tuple[str, str | None]:
-    """What went wrong, "" where nothing did, and the digest on the small model; None where it cannot run."""
-    for request in (Warm(scenario.name, scenario.options), Measure(scenario.name, scenario.options)):
-        reply = worker.ask(request)
-        if isinstance(reply, Measured):
-            return "", reply.digest
-        if isinstance(reply, Skipped):
-            break
-        if not isinstance(reply, Done):
-            return f"scenario {scenario.name}: {_reason(reply)}", None
-    return "", None
+@dataclass(frozen=True)
+class Failure:
+    """How a scenario ended badly."""
+
+    reason: str
+
+
+def _answer(worker: _Immortal, scenario: ScenarioFacts) -> str | Skipped | Failure:
+    """The digest on the small model, or why there is none."""
+    reply = worker.ask(Warm(scenario.name, scenario.options))
+    if isinstance(reply, Done):
+        reply = worker.ask(Measure(scenario.name, scenario.options))
+    if isinstance(reply, Measured):
+        return reply.digest
+    return reply if isinstance(reply, Skipped) else Failure(_reason(reply))
 
 
 def _reason(reply: Reply | WorkerDied) -> str:

@@ -37,9 +37,11 @@ def examine_all(ctx: click.Context, names: Sequence[str], family: str, form: str
     import msgspec
 
     from tetrabench.bench.catalogue import Inquiry
-    from tetrabench.bench.conformance import FAULTY, examine
+    from tetrabench.bench.conformance import FAULTY, TIMEOUT_S, examine
 
     refuse_others(ctx)
+    if ctx.get_parameter_source("timeout_s") is not ParameterSource.COMMANDLINE:
+        timeout_s = TIMEOUT_S
     verdicts: list[Verdict] = []
     with Inquiry() as guide:
         with patience("looking up backends"):
@@ -83,8 +85,12 @@ def show(name: str, verdicts: Sequence[Verdict]) -> None:
     if faulty:
         click.echo(f"{name}: {_count(faulty)}; what comes first in the table is relied upon later, so mend that first")
     else:
+        untried = [verdict for verdict in verdicts if verdict.note]
+        for verdict in untried:
+            click.echo(f"{verdict.rule}, not compared: {verdict.note}")
         seconds = sum(verdict.wall_s for verdict in verdicts)
-        click.echo(f"{name} does what is asked of it ({seconds:.0f} s)")
+        limits = f"; {len(untried)} of {len(scenarios)} scenarios were not compared" if untried else ""
+        click.echo(f"{name} does what is asked of it ({seconds:.0f} s){limits}")
 
 
 def _cell(verdicts: Sequence[Verdict]) -> str:

@@ -103,7 +103,8 @@ def run(
     multiple=True,
     callback=split_names,
     metavar="A,B",
-    help="Examine backends by the rules of their family instead: in plain Python, with bounds checks, and compiled.",
+    help="Examine backends by the rules of their family instead: in plain Python, with bounds checks, and compiled; "
+    "5 minutes a rule and mode, unless --timeout says otherwise.",
 )
 @timeout_option
 @format_option
