@@ -516,7 +516,7 @@ def test_results_that_find_no_room_can_be_saved_later(target: Path, monkeypatch:
 
     with monkeypatch.context() as patch:
         patch.setattr(Path, "write_bytes", full)
-        with pytest.raises(InputError, match=r"out\.json: cannot write: No space left on device"):
+        with pytest.raises(InputError, match=r"out\.json: cannot be written: No space left on device"):
             Play().run(plan, output=target)
     assert [path.name for path in target.parent.iterdir()] == ["out.jsonl"]
     game = Play()

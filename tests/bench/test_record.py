@@ -28,7 +28,7 @@ def test_a_write_that_fails_leaves_the_file_that_was_there(tmp_path: Path, monke
         raise OSError(errno.ENOSPC, "No space left on device")
 
     monkeypatch.setattr(Path, "write_bytes", full)
-    with pytest.raises(InputError, match=r"r\.json: cannot write: No space left on device"):
+    with pytest.raises(InputError, match=r"r\.json: cannot be written: No space left on device"):
         save_results(RICH, tmp_path / "r.json")
     assert read_results(tmp_path / "r.json") == results()
     assert [path.name for path in tmp_path.iterdir()] == ["r.json"]

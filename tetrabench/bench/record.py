@@ -1,12 +1,12 @@
 """Records: what a run leaves behind. Flat records with units in their names; JSON through msgspec."""
 
-import os
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
 from tetrabench.bench.soundness import find_fault
+from tetrabench.drafts import drafted
 from tetrabench.errors import InputError
 from tetrabench.memory import refuse_if_too_large
 from tetrabench.printable import printable
@@ -245,23 +245,8 @@ class Results(msgspec.Struct, frozen=True, kw_only=True):
 
 def save_results(results: Results, path: Path) -> None:
     """Write results as JSON, a sample a line; whole or not at all."""
-    write_whole(path, _spell(results))
-
-
-def write_whole(path: Path, data: bytes) -> None:
-    """Write a file whole, or leave what was there.
-
-    Raises:
-        InputError: it cannot be written.
-    """
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        temporary.write_bytes(data)
-        os.replace(temporary, path)
-    except OSError as error:
-        raise InputError(f"{path}: cannot write: {error.strerror}") from error
-    finally:
-        temporary.unlink(missing_ok=True)
+    with drafted(path) as draft:
+        draft.write_bytes(_spell(results))
 
 
 def _spell(results: Results) -> bytes:

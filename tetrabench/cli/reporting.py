@@ -22,7 +22,7 @@ def report(results: tuple[Path, ...], output: Path, thesis: bool) -> None:
     comparison alone, its figures beside it.
     """
     from tetrabench.bench import read_results
-    from tetrabench.bench.record import write_whole
+    from tetrabench.drafts import drafted
     from tetrabench.report.page import make_page
 
     suffixes = (".html", ".htm", ".md") if thesis else (".html", ".htm")
@@ -43,7 +43,8 @@ def report(results: tuple[Path, ...], output: Path, thesis: bool) -> None:
                 extra.append(make_section([run for _, run in runs]))
         with patience(f"drawing the charts of {len(runs)} run{'s' * (len(runs) > 1)}") as step:
             page = make_page(runs, extra=extra, step=step)
-        write_whole(output, page.encode())
+        with drafted(output) as draft:
+            draft.write_text(page, encoding="utf-8")
     is_page = output.suffix.lower() != ".md"
     say(
         f"wrote {output}; open it in a browser"

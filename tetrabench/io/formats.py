@@ -32,7 +32,6 @@ import io
 import mmap
 import os
 import re
-import tempfile
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -43,6 +42,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tetrabench.drafts import drafted
 from tetrabench.errors import InputError, MemoryRefusedError
 from tetrabench.memory import held_to_available, refuse_if_too_large
 from tetrabench.mesh.check import settle
@@ -197,26 +197,17 @@ def write_foreign(mesh: TetraMesh, path: str | os.PathLike[str], values: Values 
     Raises:
         InputError: meshio or the system cannot write the file.
     """
-    target = Path(path)
-    form = BY_SUFFIX[target.suffix.lower()]
+    form = BY_SUFFIX[Path(path).suffix.lower()]
     ids = {TETRA_ID: mesh.tet_ids} if form.keeps_ids else {}
     data = {
         "point_data": {POINT_ID: mesh.point_ids} if form.keeps_ids else {},
         "cell_data": {name: [numbers] for name, numbers in {**ids, **(values or {})}.items()},
     }
-    with contextlib.ExitStack() as stack:
-        try:
-            draft = stack.enter_context(tempfile.TemporaryDirectory(dir=target.absolute().parent, prefix=".writing-"))
-        except OSError as error:
-            raise InputError(f"{path}: cannot be written: {error.strerror or error}") from error
-        with meshio_at_work(f"{path}: cannot be written as {form.title}"):
-            import meshio
+    with drafted(path) as draft, meshio_at_work(f"{path}: cannot be written as {form.title}"):
+        import meshio
 
-            # In a folder of its own under its own name: some formats are two files, one with the other's name in it.
-            raw = meshio.Mesh(mesh.points, [("tetra", mesh.tets)], **data)
-            meshio.write(Path(draft) / target.name, raw, file_format=form.name, **form.options)
-            for file in sorted(Path(draft).iterdir(), key=lambda file: file.name == target.name):
-                file.replace(target.absolute().parent / file.name)
+        raw = meshio.Mesh(mesh.points, [("tetra", mesh.tets)], **data)
+        meshio.write(draft, raw, file_format=form.name, **form.options)
 
 
 def size_of(file: Path) -> int:

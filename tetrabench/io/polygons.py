@@ -14,7 +14,6 @@ All are read, by meshio but for .npz, .obj and .off: cells that are polygons, th
 """
 
 import os
-import tempfile
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -23,6 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tetrabench.drafts import drafted
 from tetrabench.errors import InputError
 from tetrabench.io import NASTRAN, is_file, known_suffix
 from tetrabench.io.formats import BY_SUFFIX, NoCellsError, list_cells, meshio_at_work, raw_mesh, size_of
@@ -158,9 +158,9 @@ def write_polygons(mesh: PolygonMesh, path: str | os.PathLike[str]) -> str:
         InputError: what `check_polygon_target` refuses, a cell with more nodes than the format can hold, or what the
             writer refuses.
     """
-    suffix, target = check_polygon_target(path), Path(path)
+    suffix = check_polygon_target(path)
     if suffix == EXACT:
-        save_polygons(mesh, target)
+        save_polygons(mesh, path)
         return ""
     most = int(np.diff(mesh.starts).max())
     if most > MOST_NODES[suffix]:
@@ -168,16 +168,11 @@ def write_polygons(mesh: PolygonMesh, path: str | os.PathLike[str]) -> str:
         raise InputError(f"{path}: this format holds no cell of {most} nodes, and the mesh does; write {able}")
     points = np.zeros((len(mesh.points), 3))
     points[:, : mesh.points.shape[1]] = mesh.points
-    try:
-        with tempfile.TemporaryDirectory(dir=target.absolute().parent, prefix=".writing-") as draft:
-            file = Path(draft) / target.name
-            if suffix == OFF:
-                write_off(points, mesh.starts, mesh.nodes, file)
-            else:
-                write_meshio(mesh, points, file, f"{path}: cannot be written as {BY_SUFFIX[suffix].title}")
-            file.replace(target)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror or error}") from error
+    with drafted(path) as draft:
+        if suffix == OFF:
+            write_off(points, mesh.starts, mesh.nodes, draft)
+        else:
+            write_meshio(mesh, points, draft, f"{path}: cannot be written as {BY_SUFFIX[suffix].title}")
     given = np.unique(mesh.conditions[mesh.conditions < 0])
     if (given == CONDITION).all():
         return ""

@@ -14,7 +14,6 @@ import contextlib
 import itertools
 import math
 import os
-import tempfile
 import warnings
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -25,6 +24,7 @@ import numpy as np
 from tetrabench.archive import open_archive
 from tetrabench.collision.objects import Floats, Objects, Start, check_box, make_objects
 from tetrabench.collision.start.models import MASS, MODELS, RADIUS
+from tetrabench.drafts import drafted
 from tetrabench.errors import InputError, MemoryRefusedError
 from tetrabench.io import is_file, known_suffix
 from tetrabench.memory import refuse_if_too_large
@@ -62,14 +62,9 @@ def write_objects(start: Start, path: str | os.PathLike[str]) -> None:
     Raises:
         InputError: an unknown suffix, or a place that cannot be written to.
     """
-    suffix, target = check_objects_target(path), Path(path)
-    try:
-        with tempfile.TemporaryDirectory(dir=target.absolute().parent, prefix=".writing-") as draft:
-            file = Path(draft) / target.name
-            write_exact(start, file) if suffix == EXACT else write_table(start, file)
-            file.replace(target)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror or error}") from error
+    write = write_exact if check_objects_target(path) == EXACT else write_table
+    with drafted(path) as draft:
+        write(start, draft)
 
 
 def check_objects_source(path: str | os.PathLike[str]) -> str:

@@ -1,14 +1,13 @@
 """Write Nastran bulk data in small, large or free field."""
 
-import contextlib
 import os
 import re
 from collections.abc import Sequence
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
+from tetrabench.drafts import drafted
 from tetrabench.errors import InputError
 from tetrabench.io.nastran.cards import DOT, MINUS, POWERS, ZERO, Bytes, Integers, Reals
 from tetrabench.jit import kernel
@@ -79,28 +78,11 @@ def write_nastran(
         held = f"{field} field holds whole numbers from 1, of up to {layout.width} digits"
         raise InputError(f"{path}: ids run from {low} to {high}, but {held}")
     head = "".join(f"$ {line}\n" for comment in comments for line in comment.splitlines())
-    write_whole(
-        path,
-        (head + "BEGIN BULK\n").encode(errors="surrogateescape"),  # a file may have any bytes for a name
-        free_points(points, point_ids) if field == "free" else point_records(points, point_ids, layout),
-        integer_records(tets, layout.tetra, layout.tetra_ends),
-        b"ENDDATA\n",
-    )
-
-
-def write_whole(path: str | os.PathLike[str], *parts: bytes | Bytes) -> None:
-    """Write a file beside `path` and give it that name when it is complete."""
-    draft = Path(f"{os.fspath(path)}.{os.getpid()}.part")
-    try:
-        with draft.open("wb") as file:
-            for part in parts:
-                file.write(part if isinstance(part, bytes) else part.data)
-        draft.replace(path)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror or error}") from error
-    finally:
-        with contextlib.suppress(OSError):  # it has its name, or there never was one
-            draft.unlink()
+    with drafted(path) as draft, draft.open("wb") as file:
+        file.write((head + "BEGIN BULK\n").encode(errors="surrogateescape"))  # a file may have any bytes for a name
+        file.write(free_points(points, point_ids) if field == "free" else point_records(points, point_ids, layout).data)
+        file.write(integer_records(tets, layout.tetra, layout.tetra_ends).data)
+        file.write(b"ENDDATA\n")
 
 
 def free_layout(width: int) -> Layout:

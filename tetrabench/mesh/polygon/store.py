@@ -11,6 +11,7 @@ import msgspec
 import numpy as np
 
 from tetrabench.archive import open_archive
+from tetrabench.drafts import drafted
 from tetrabench.errors import InputError, MemoryRefusedError
 from tetrabench.mesh.polygon.connect import belong_together
 from tetrabench.mesh.polygon.polygon_mesh import PolygonMesh, PolygonReport
@@ -34,16 +35,8 @@ def save_polygons(mesh: PolygonMesh, path: str | os.PathLike[str]) -> None:
     arrays: dict[str, Any] = {name: np.ascontiguousarray(getattr(mesh, name), dtype) for name, dtype in ARRAYS.items()}
     # Python's JSON has room for a source whose name is no text, too.
     arrays[REPORT] = np.frombuffer(json.dumps(asdict(mesh.report)).encode(), np.uint8)
-    draft = Path(f"{os.fspath(path)}.{os.getpid()}.part")
-    try:
-        with draft.open("wb") as file:
-            np.savez(file, **arrays)
-        draft.replace(path)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror or error}") from error
-    finally:
-        with contextlib.suppress(OSError):  # it has its name, or there never was one
-            draft.unlink()
+    with drafted(path) as draft, draft.open("wb") as file:
+        np.savez(file, **arrays)
 
 
 def load_polygons(path: str | os.PathLike[str]) -> PolygonMesh:

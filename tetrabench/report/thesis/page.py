@@ -13,8 +13,9 @@ from urllib.parse import quote
 from matplotlib.figure import Figure
 
 from tetrabench import registry
-from tetrabench.bench.record import Results, write_whole
+from tetrabench.bench.record import Results
 from tetrabench.bench.statistics import ALIKE, CLEAR, SHORTEST_S
+from tetrabench.drafts import drafted
 from tetrabench.errors import InputError
 from tetrabench.printable import printable
 from tetrabench.report.cells import MISSING
@@ -140,7 +141,8 @@ def write_markdown(runs: Sequence[Results], path: Path) -> None:
     folder = path.with_suffix("")
     saved = save_figures(figures, folder)
     links = {name: quote(f"{folder.name}/{file.name}") for name, file in saved.items()}
-    write_whole(path, f"## {_plain(title_of(comparison))}\n\n{as_markdown(comparison, links)}".encode())
+    with drafted(path) as draft:
+        draft.write_text(f"## {_plain(title_of(comparison))}\n\n{as_markdown(comparison, links)}", encoding="utf-8")
 
 
 def _compared(runs: Sequence[Results]) -> tuple[Comparison, dict[str, Figure]]:
