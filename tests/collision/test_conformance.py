@@ -7,9 +7,7 @@ import pytest
 from tests.collision.broken import FAULTS
 from tests.examined import first_sentences
 from tetrabench.backends.collision import CONTESTANTS
-from tetrabench.collision import interface
-from tetrabench.collision.conformance import RULES, functions
-from tetrabench.jit.generic import _IMPLEMENTATIONS
+from tetrabench.collision.conformance import RULES
 
 PLUGIN = Path(__file__).with_name("broken.py")
 HALF = "Broken does not implement update(storage, x, y), stats(storage)"
@@ -26,7 +24,3 @@ def test_what_is_broken_is_found_and_named(tmp_path):
     assert [name for name in FAULTS if name not in found] == []
     assert {name: found[name] for name, (*_, named) in FAULTS.items() if named not in found[name]} == {}
     assert found["half"] == HALF
-
-
-def test_the_list_of_functions_is_that_of_the_interface():
-    assert functions() == [one for one in vars(interface).values() if one in list(_IMPLEMENTATIONS)]

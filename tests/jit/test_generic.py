@@ -1,5 +1,6 @@
 """One declaration, one registration, the same answer in numba and in plain Python; mistakes are named."""
 
+import sys
 from typing import NamedTuple
 
 import numpy as np
@@ -8,6 +9,7 @@ from numba import config
 from numba.core.errors import TypingError
 
 from tetrabench.jit import generic, implements, kernel
+from tetrabench.jit.generic import generics_of, is_implemented, spell_lack
 
 
 class Doubles(NamedTuple):
@@ -72,3 +74,24 @@ def test_wrong_registrations_are_refused():
 def test_contract_is_kept():
     assert first_value.__doc__ == "A value."
     assert first_value.__name__ == "first_value"
+
+
+@generic()
+def size(storage, scale):
+    """Another, of the storage itself."""
+
+
+@implements(size, Doubles)
+def size_of_doubles(storage, scale):
+    return scale * len(storage.values)
+
+
+def test_what_a_storage_lacks():
+    functions = generics_of(sys.modules[__name__])
+    assert functions == [first_value, size]  # not the implementations, nor the kernel
+    storage = Constant(5.0, 6.0)
+    assert [one for one in functions if not is_implemented(one, Holder(Doubles(np.zeros(1))))] == [size]
+    assert not is_implemented(size, storage)
+    assert is_implemented(size, Doubles(np.zeros(1)))
+    assert spell_lack(size, storage) == "size(storage, scale)"
+    assert spell_lack(first_value, Holder(Nothing(np.zeros(1)))) == "first_value(net, index) of its part, Nothing"

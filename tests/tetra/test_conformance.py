@@ -7,9 +7,7 @@ import pytest
 from tests.examined import first_sentences
 from tests.tetra.broken import FAULTS
 from tetrabench.backends.tetra import CONTESTANTS
-from tetrabench.jit.generic import _IMPLEMENTATIONS
-from tetrabench.tetra import interface
-from tetrabench.tetra.conformance import RULES, functions
+from tetrabench.tetra.conformance import RULES
 
 PLUGIN = Path(__file__).with_name("broken.py")
 HALF = (
@@ -29,7 +27,3 @@ def test_what_is_broken_is_found_and_named(tmp_path):
     assert [name for name in FAULTS if name not in found] == []
     assert {name: found[name] for name, (*_, named) in FAULTS.items() if named not in found[name]} == {}
     assert found["half"] == HALF
-
-
-def test_the_list_of_functions_is_that_of_the_interface():
-    assert functions() == [one for one in vars(interface).values() if one in list(_IMPLEMENTATIONS)]

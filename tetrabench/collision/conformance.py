@@ -5,10 +5,8 @@ is well. Objects are moved by `twin.Twin`, which looks at all pairs; a structure
 """
 
 import dataclasses
-from collections.abc import Callable, Iterator, Mapping
-from inspect import isfunction
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,7 +17,7 @@ from tetrabench.collision.interface import Storage
 from tetrabench.collision.objects import Objects, Start, make_objects
 from tetrabench.collision.simulation import _pairs, _query_rect, _update
 from tetrabench.collision.twin import Twin
-from tetrabench.jit.generic import is_implemented
+from tetrabench.jit.generic import generics_of, is_implemented, spell_lack
 from tetrabench.protocols import Rule
 
 STEPS = 5
@@ -113,25 +111,10 @@ def _pair_faults(moving: _Moving, after: str) -> Iterator[str]:
 # ---------------------------------------------------------------------------------------------------- rules
 
 
-def functions() -> list[Callable[..., Any]]:
-    """All functions that a structure implements, in the order of the interface."""
-    own = [one for one in vars(interface).values() if isfunction(one) and one.__module__ == interface.__name__]
-    return [one for one in own if one is not interface.bytes_of]
-
-
-def missing(storage: Storage) -> list[str]:
-    """The functions that a storage lacks, with their parameters."""
-    return [
-        f"{one.__name__}({', '.join(one.__signature__.parameters)})"  # type: ignore[attr-defined]
-        for one in functions()
-        if not is_implemented(one, type(storage))
-    ]
-
-
 def _complete(contestant: CollisionContestant) -> Iterator[str]:
     start = _start([1.0, 2.0], [1.0, 2.0])
     storage = contestant.make(start.objects.x, start.objects.y, start.objects.r)
-    if lacks := missing(storage):
+    if lacks := [spell_lack(one, storage) for one in generics_of(interface) if not is_implemented(one, storage)]:
         yield f"{type(storage).__name__} does not implement {', '.join(lacks)}"
 
 

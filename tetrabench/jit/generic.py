@@ -23,6 +23,7 @@ pass it by value, on the stack, to every function that is not inlined. That is w
 
 import inspect
 from collections.abc import Callable
+from types import FunctionType, ModuleType
 from typing import Any
 
 from numba.core.errors import TypingError
@@ -31,6 +32,7 @@ from numba.extending import overload
 Function = Callable[..., Any]
 
 _IMPLEMENTATIONS: dict[Function, dict[type, Function]] = {}
+_FIELDS: dict[Function, str | None] = {}  # what each was declared with as `on`
 
 
 def generic(*, on: str | None = None) -> Callable[[Function], Function]:
@@ -40,7 +42,7 @@ def generic(*, on: str | None = None) -> Callable[[Function], Function]:
         table: dict[type, Function] = {}
 
         def dispatch(*arguments: Any) -> Any:
-            storage = type(arguments[0] if on is None else getattr(arguments[0], on))
+            storage = _decisive(arguments[0], on)
             if storage not in table:
                 raise TypeError(_missing(contract, storage))
             return table[storage](*arguments)
@@ -57,7 +59,7 @@ def generic(*, on: str | None = None) -> Callable[[Function], Function]:
         dispatch.__signature__ = inspect.signature(contract)  # type: ignore[attr-defined]
         choose.__signature__ = _bare(contract)  # type: ignore[attr-defined]
         overload(dispatch, jit_options={"forceinline": True, "error_model": "numpy"})(choose)
-        _IMPLEMENTATIONS[dispatch] = table
+        _IMPLEMENTATIONS[dispatch], _FIELDS[dispatch] = table, on
         return dispatch
 
     return declare
@@ -84,14 +86,31 @@ def implements(function: Function, storage: type) -> Callable[[Function], Functi
     return register
 
 
-def is_implemented(function: Function, storage: type) -> bool:
-    """Whether the generic `function` has an implementation for `storage`."""
-    return storage in _IMPLEMENTATIONS[function]
+def generics_of(interface: ModuleType) -> list[Function]:
+    """The generic functions that a module declares, in its order."""
+    return [one for one in vars(interface).values() if isinstance(one, FunctionType) and one in _IMPLEMENTATIONS]
+
+
+def is_implemented(function: Function, net: Any) -> bool:
+    """Whether the generic `function` can be called with this net, or storage, as its first argument."""
+    return _decisive(net, _FIELDS[function]) in _IMPLEMENTATIONS[function]
+
+
+def spell_lack(function: Function, net: Any) -> str:
+    """A generic function with its parameters, and which type has no implementation of it."""
+    field = _FIELDS[function]
+    place = f" of its {field}, {_decisive(net, field).__name__}" if field else ""
+    return f"{function.__name__}({', '.join(inspect.signature(function).parameters)}){place}"
 
 
 def implementations_of(storage: type) -> list[Function]:
     """All functions that are implemented for `storage`, of any interface."""
     return [table[storage] for table in _IMPLEMENTATIONS.values() if storage in table]
+
+
+def _decisive(net: Any, field: str | None) -> type:
+    """The type that says which implementation is meant."""
+    return type(net if field is None else getattr(net, field))
 
 
 def _bare(function: Function) -> inspect.Signature:

@@ -6,13 +6,12 @@ is well. What a format answers is compared with `twin.Twin` on small meshes, eac
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
-from inspect import isfunction
 from typing import Any
 
 import numpy as np
 
 from tetrabench.jit import kernel
-from tetrabench.jit.generic import is_implemented
+from tetrabench.jit.generic import generics_of, is_implemented, spell_lack
 from tetrabench.mesh.polygon import PolygonMesh
 from tetrabench.mesh.polygon.connect import connect
 from tetrabench.mesh.polygon.models import generate_polygons
@@ -117,23 +116,9 @@ def _lists(storage: Storage, query: str, count: int, room: int) -> tuple[list[li
 # ---------------------------------------------------------------------------------------------------- rules
 
 
-def functions() -> list[Callable[..., int]]:
-    """All functions that a format implements, in the order of the interface."""
-    return [one for one in vars(interface).values() if isfunction(one) and one.__module__ == interface.__name__]
-
-
-def missing(storage: Storage) -> list[str]:
-    """The functions that a storage lacks, with their parameters."""
-    return [
-        f"{one.__name__}({', '.join(one.__signature__.parameters)})"  # type: ignore[attr-defined]
-        for one in functions()
-        if not is_implemented(one, type(storage))
-    ]
-
-
 def _complete(contestant: PolygonContestant) -> Iterator[str]:
     storage = contestant.build(connect(MESHES["a triangle"]()))
-    if lacks := missing(storage):
+    if lacks := [spell_lack(one, storage) for one in generics_of(interface) if not is_implemented(one, storage)]:
         yield f"{type(storage).__name__} does not implement {', '.join(lacks)}"
 
 

@@ -76,7 +76,7 @@ class ByRef:
         return self._view("state", writeable=True)
 
     def _view(self, field: str, *, writeable: bool = False) -> Any:
-        has_arrays = is_implemented(interface.columns, type(self._net.layout))
+        has_arrays = is_implemented(interface.columns, self._net)
         columns = interface.columns(self._net) if has_arrays else {}
         if field not in columns:
             raise InputError(

@@ -8,14 +8,13 @@ import random
 from collections.abc import Callable, Iterator
 from copy import deepcopy
 from functools import wraps
-from inspect import isfunction
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tetrabench.jit import kernel
-from tetrabench.jit.generic import is_implemented
+from tetrabench.jit.generic import generics_of, is_implemented, spell_lack
 from tetrabench.mesh import TetraMesh
 from tetrabench.mesh.models import generate
 from tetrabench.protocols import Rule
@@ -288,40 +287,15 @@ def _compare_neighbours(look: _Look, twin: Twin, after: str) -> None:
 # ---------------------------------------------------------------------------------------------------- rules
 
 
-def functions() -> list[Callable[..., Any]]:
-    """All functions that a contestant implements, in the order of the interface."""
-    return [one for one in vars(interface).values() if isfunction(one) and _axis(one)]
-
-
-def _axis(function: Callable[..., Any]) -> str:
-    """The field of the net whose type says which implementation is meant; "" for what is no generic function."""
-    for axis, first, last in (
-        ("layout", interface.vertex, interface.capacity),
-        ("slots", interface.number_of_tetras, interface.slot_faults),
-        ("incidence", interface.a_tetra_around, interface.collect),
-    ):
-        names = list(vars(interface))
-        if names.index(first.__name__) <= names.index(function.__name__) <= names.index(last.__name__):
-            return axis
-    return ""
-
-
 def missing(net: Net) -> list[str]:
     """The functions that a net's storage lacks, with their parameters."""
     may_lack = set(_MAY_LACK)
     if not isinstance(net.incidence, Incidence):
         may_lack |= _BY_LISTS
-    if not is_implemented(interface.release, type(net.slots)):
+    if not is_implemented(interface.release, net):
         may_lack |= _OF_RELEASE
-    return [
-        f"{one.__name__}({', '.join(_parameters(one))}) of its {_axis(one)}, {type(getattr(net, _axis(one))).__name__}"
-        for one in functions()
-        if one.__name__ not in may_lack and not is_implemented(one, type(getattr(net, _axis(one))))
-    ]
-
-
-def _parameters(function: Any) -> list[str]:
-    return list(function.__signature__.parameters)
+    needed = [one for one in generics_of(interface) if one.__name__ not in may_lack]
+    return [spell_lack(one, net) for one in needed if not is_implemented(one, net)]
 
 
 @_rule
@@ -358,9 +332,9 @@ def _fields(contestant: TetraContestant) -> Iterator[str]:
         storage, look = net.storage, _look(net.storage, "three tetras")
         values: list[Any] = []
         for t in look.refs.tolist():
-            if is_implemented(interface.set_vertex, type(storage.layout)):
+            if is_implemented(interface.set_vertex, storage):
                 values += [(_connect, t, i, np.int64(one)) for i in range(4) for one in _IDS]
-            if is_implemented(interface.set_neighbour, type(storage.layout)):
+            if is_implemented(interface.set_neighbour, storage):
                 values += [(_connect, t, 4 + i, one) for i in range(4) for one in (NONE, *look.refs)]
             values += [(_store, t, c, np.float64(one)) for c in range(25) for one in (_REALS if c else _SIZES)]
         rows = {t: row for row, t in enumerate(look.refs.tolist())}
@@ -412,7 +386,7 @@ def _columns(contestant: TetraContestant) -> Iterator[str]:
     """What numpy sees by ref is what the functions of the fields say; with states, what it writes, too."""
     with TetraNet(_box(), contestant) as net:
         storage = net.storage
-        if not is_implemented(interface.columns, type(storage.layout)):
+        if not is_implemented(interface.columns, storage):
             return
         net.delete(net.last)
         net.states = np.arange(5.0 * len(net)).reshape(-1, 5)
@@ -586,7 +560,7 @@ def _edits(contestant: TetraContestant) -> Iterator[str]:
         twin = Twin(mesh)
         look = _compare(net.storage, twin, "a fresh net")
         gone: list[Corners] = []
-        linked = is_implemented(interface.release, type(net.storage.slots))
+        linked = is_implemented(interface.release, net.storage)
         for step in range(STEPS):
             before, storage = look, net.storage
             dice = chance.random()
@@ -771,7 +745,7 @@ def _released(contestant: TetraContestant) -> Iterator[str]:
         net = TetraNet(_box(), contestant)
         net.delete(net.last)
         net.split(net.refs[:3])
-        storage, linked = net.storage, is_implemented(interface.release, type(net.storage.slots))
+        storage, linked = net.storage, is_implemented(interface.release, net.storage)
         net.close()
         net.close()
         if linked and (left := int(interface.number_of_tetras(storage))):

@@ -142,7 +142,7 @@ class TetraNet:
     @property
     def _has_addresses(self) -> bool:
         """Whether refs are addresses, of which none tells by itself whether a tetra is there."""
-        return is_implemented(interface.release, type(self.storage.slots))
+        return is_implemented(interface.release, self.storage)
 
     def _addresses(self) -> set[int]:
         """The refs of all tetras; listed anew where the net was edited by others than `insert` and `delete`."""
@@ -644,7 +644,7 @@ def _all_whole(refs: ArrayLike, columns: int | None = None) -> NDArray[np.int64]
 
 def _release(box: list[Net]) -> None:
     storage = box.pop()
-    if is_implemented(interface.release, type(storage.slots)):
+    if is_implemented(interface.release, storage):
         _release_storage(storage)
 
 

@@ -40,7 +40,7 @@ def take(net: Net) -> Snapshot:
     size = sum(reserved for _, reserved in structure_bytes(net).values())
     refuse_if_too_large("a copy of the net to go back to", size)
     storage = copied(net)
-    return Snapshot(storage, interface.hold(net) if is_implemented(interface.hold, type(net.slots)) else None)
+    return Snapshot(storage, interface.hold(net) if is_implemented(interface.hold, net) else None)
 
 
 def drop(net: Net, snapshot: Snapshot) -> None:
