@@ -304,6 +304,29 @@ def test_states_shape_is_checked(build):
         net.states = np.zeros((2, 5))
 
 
+def test_what_is_no_number_is_refused():
+    net = tetrabench.open(single())
+    digest = net.answer().digest
+    for refused in (
+        lambda: net.insert_points("abc"),
+        lambda: net.insert_points([[0.0, 1.0], [2.0]]),
+        lambda: net.insert_point(None, 0, 0),
+        lambda: net.insert_point([1.0], 0, 0),
+        lambda: net.insert_point("x", 0, 0),
+        lambda: setattr(net, "states", "x"),
+        lambda: net.set_states_of(0, ["a"] * 5),
+        lambda: net.take_states({f"state_{n}": np.zeros(1 + n) for n in range(5)}),
+        lambda: net.locate("abc"),
+        lambda: net.nearest_points({}),
+        lambda: net.deform(lambda points: None),
+        lambda: net.deform(lambda points: "left"),
+    ):
+        with pytest.raises(InputError) as error:
+            refused()
+        assert "\n" not in str(error.value)
+    assert net.answer().digest == digest
+
+
 def test_deform_refusals(build):
     net = build(single())
     digest = net.answer().digest

@@ -240,10 +240,10 @@ class TetraNet:
         _set_states(self.storage, self.refs, self._states_like(values, (len(self), interface.STATES)))
 
     def _states_like(self, values: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:
-        values = np.require(values, np.float64, ["C", "W", "O"])
-        if values.shape != shape:
-            raise InputError(f"these states must have the shape {shape}, not {values.shape}")
-        return values
+        numbers = _numbers(values, "states")
+        if numbers.shape != shape:
+            raise InputError(f"these states must have the shape {shape}, not {numbers.shape}")
+        return numbers
 
     @property
     def by_ref(self) -> ByRef:
@@ -326,13 +326,13 @@ class TetraNet:
         """The tetra that holds each point (m, 3): (m,) refs, -1 outside. See `tetrabench.tetra.locate`."""
         edits = int(self.storage.points.counters[EDITS])
         grid = self._grid[1] if self._grid and self._grid[0] == edits else None
-        refs, grid = locate(self.storage, np.asarray(points, np.float64), method, grid)
+        refs, grid = locate(self.storage, _numbers(points, "points"), method, grid)
         self._grid = (edits, grid) if grid is not None else None
         return refs
 
     def nearest_points(self, queries: ArrayLike) -> NDArray[np.int32]:
         """The point nearest to each query (m, 3): (m,) point refs."""
-        return nearest_points(self.storage.tree, self.points, np.asarray(queries, np.float64))
+        return nearest_points(self.storage.tree, self.points, _numbers(queries, "queries"))
 
     def select(self, chosen: ArrayLike) -> NDArray[np.int64]:
         """Refs (m,) of the tetras where `chosen`, (n,) bool in iteration order, is true: `net.select(net.volumes > 1)`."""
@@ -395,12 +395,12 @@ class TetraNet:
             self._is_edited = False
 
     def insert_points(self, points: ArrayLike) -> NDArray[np.int32]:
-        """The refs, (m,) int32, of points (m, 3): those there within 1e-9 of the net's diagonal, or new ones, in this order.
+        """The refs, (m,) int32, of points (m, 3), one after the other as `insert_point` does it.
 
         Raises:
             InputError: another shape, or a coordinate that is not finite; the net is then as it was.
         """
-        rows = np.require(points, np.float64, ["C", "W", "O"])
+        rows = _numbers(points, "points")
         if rows.ndim != 2 or rows.shape[1] != 3 or not np.isfinite(rows).all():
             raise InputError(f"points are finite numbers of the shape (m, 3); these are {rows.shape}")
         self.storage = edit.reserve(self.storage, 0, len(rows))
@@ -418,7 +418,7 @@ class TetraNet:
         array([48])
 
         Raises:
-            InputError: what `insert` says of one of them; none is inserted then.
+            InputError: what `insert` says of one of them; none is inserted then. (Deletions that waited may be collected.)
         """
         rows = _all_whole(tets, 4)
         refs, reason = self._insert_all(rows)
@@ -456,11 +456,18 @@ class TetraNet:
         _delete_many(self.storage, refs)
 
     def insert_point(self, x: float, y: float, z: float) -> int:
-        """The ref of the point there: an existing one, within 1e-9 of the net's diagonal, or a new one."""
-        if not np.isfinite([x, y, z]).all():
+        """The ref of the point there: an existing one, within 1e-9 of the net's diagonal, or a new one.
+
+        The diagonal is that of the points which the net had when it was made, or deformed last.
+
+        Raises:
+            InputError: what is no finite number.
+        """
+        place = _numbers((x, y, z), "a point")
+        if place.shape != (3,) or not np.isfinite(place).all():
             raise InputError(f"({x}, {y}, {z}) is no point")
         self.storage = edit.reserve(self.storage, 0, 1)
-        return int(edit.insert_point(self.storage, float(x), float(y), float(z), make_stack()))
+        return int(edit.insert_point(self.storage, *place.tolist(), make_stack()))
 
     def insert(self, a: int, b: int, c: int, d: int) -> int:
         """Insert the tetra of four points and return its ref; states are 0.
@@ -533,7 +540,7 @@ class TetraNet:
 
     def deform(self, move: Callable[[NDArray[np.float64]], NDArray[np.float64]]) -> int:
         """Move the points by a map (n, 3) -> (n, 3); returns how many tetras were touched. See `tetra.deform`."""
-        moved = np.require(move(self.points.copy()), np.float64, ["C", "W", "O"])
+        moved = _numbers(move(self.points.copy()), "new places of points")
         self.storage, touched = deform(self.storage, moved)
         return touched
 
@@ -570,11 +577,14 @@ class TetraNet:
 
         Returns:
             Whether they are all there; else the states stay as they are.
+
+        Raises:
+            InputError: values that are not one for each tetra.
         """
         names = [f"state_{place}" for place in range(interface.STATES)]
         if not set(names) <= set(values):
             return False
-        self.states = np.stack([values[name] for name in names], axis=1)
+        self.states = np.stack([self._states_like(values[name], (len(self),)) for name in names], axis=1)
         return True
 
     def convert(self, contestant: TetraContestant | str) -> "TetraNet":
@@ -624,6 +634,14 @@ def _whole(ref: object) -> int:
     if not -(2**63) <= number < 2**63:
         raise InputError("a ref has 64 bits, and this number more")
     return number
+
+
+def _numbers(values: ArrayLike, what: str) -> NDArray[np.float64]:
+    """What was given as numbers: an array that a kernel may take, or InputError."""
+    try:
+        return np.require(values, np.float64, ["C", "W", "O"])
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{what}: numbers are needed, and {error}") from None
 
 
 def _all_whole(refs: ArrayLike, columns: int | None = None) -> NDArray[np.int64]:
