@@ -266,6 +266,31 @@ class TestFiles:
         done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
         assert done.stdout.strip() != str(first)
 
+    def test_a_model_is_made_anew_when_a_file_changes_that_its_maker_takes_things_from(self, write_plugin, monkeypatch):
+        folder = write_plugin("x = 1", "helper_of_mine.py").parent
+        text = MINE.replace("BOX, name", "BOX, build=make, name")
+        head = "import helper_of_mine\ndef make(tets):\n    return helper_of_mine.make(tets)\n"
+        monkeypatch.setenv("TETRABENCH_PLUGINS", str(write_plugin(head + text)))
+        found = []
+        for size in ("tets", "2 * tets"):
+            helper = f"from tetrabench.mesh.models.box import BOX\ndef make(tets):\n    return BOX.build({size})\n"
+            (folder / "helper_of_mine.py").write_text(helper)
+            code = (
+                "from tetrabench import registry; family = registry.family('tetra');"
+                "path = family.find_model('my-box', size=400, numbering='natural', seed=0);"
+                "print(path, family.describe_model(path).size['tetras'])"
+            )
+            done = subprocess.run(
+                [sys.executable, "-B", "-c", code],
+                capture_output=True,
+                text=True,
+                check=True,
+                env=os.environ | {"PYTHONPATH": str(folder)},
+            )
+            found.append(done.stdout.split())
+        assert [tetras for _, tetras in found] == ["384", "810"]
+        assert found[0][0] != found[1][0]
+
     @pytest.mark.parametrize(
         ("text", "reason"),
         [

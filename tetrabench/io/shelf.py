@@ -3,6 +3,7 @@
 import functools
 import hashlib
 import inspect
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from difflib import get_close_matches
@@ -13,6 +14,7 @@ from typing import Any
 from tetrabench.errors import InputError
 from tetrabench.folders import cache_root
 from tetrabench.io import is_file
+from tetrabench.jit.reach import reach
 
 
 @dataclass(frozen=True)
@@ -26,8 +28,8 @@ class Shelf:
         maker_of: (model) -> the function that makes it.
         suffix: of the files that these are kept in.
         make: (name, size or None, numbering, seed, path): generate a model into a file.
-        made_by: packages that generated models depend on, beside the files of their makers: those that other code made are
-            not taken.
+        made_by: packages that generated models depend on, beside the files of their makers, and of what these call: those
+            that other code made are not taken.
         check_source, check_target: refuse a path that no reader reads, or no writer writes, with an InputError.
     """
 
@@ -59,7 +61,7 @@ class Shelf:
             return path
         folder = cache_root() / "models"
         row = self.models[model]
-        stamp = _stamp(self.made_by, _source_of(self.maker_of(row)))
+        stamp = _stamp(self.made_by, self.maker_of(row))
         path = folder / f"{model}-{size or self.size_of(row)}-{numbering}-{seed}-{stamp}{self.suffix}"
         if not path.is_file():
             folder.mkdir(parents=True, exist_ok=True)
@@ -82,19 +84,26 @@ class Shelf:
         return f"{path}: no such file, and no model of that name; models are {', '.join(self.models)}{hint}"
 
 
-def _source_of(maker: Callable[..., Any]) -> Path:
-    """The file that a function is written in, also one that some of its arguments were bound to."""
-    while isinstance(maker, functools.partial):
-        maker = maker.func
-    return Path(inspect.getfile(maker))
-
-
 @functools.cache
-def _stamp(packages: tuple[ModuleType, ...], file: Path) -> str:
-    """Eight digits that change with the sources of packages, and a file."""
+def _stamp(packages: tuple[ModuleType, ...], maker: Callable[..., Any]) -> str:
+    """Eight digits that change with the sources of packages, and with those that a function is made from."""
     digest = hashlib.sha256()
     for package in packages:
         for source in sorted(Path(package.__path__[0]).rglob("*.py")):
             digest.update(source.read_bytes())
-    digest.update(file.read_bytes())
+    function = _function_of(maker)
+    modules, constants = reach([function])
+    sources = {inspect.getfile(function), *(inspect.getfile(sys.modules[name]) for name in modules)}
+    for part in [
+        *(Path(source).read_bytes() for source in sorted(sources)),
+        *(text.encode() for text in sorted(constants)),
+    ]:
+        digest.update(part)
     return digest.hexdigest()[:8]
+
+
+def _function_of(maker: Callable[..., Any]) -> Callable[..., Any]:
+    """What is called in the end: of a function with some arguments bound, or of an object."""
+    while isinstance(maker, functools.partial):
+        maker = maker.func
+    return maker if inspect.isroutine(maker) else type(maker).__call__
