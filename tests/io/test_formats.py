@@ -346,13 +346,13 @@ def test_what_meshio_writes_as_msh_unless_told_otherwise(tmp_path: Path) -> None
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only Linux limits addresses")
 def test_damaged_file_does_not_take_the_memory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Node tags up to 2^26: meshio makes a table of them all, half a gigabyte."""
+    """Node tags up to 2^29: meshio makes a table of them all, four gigabytes, more than a process has left over of its own."""
     lines = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 4 1 {0}\n3 1 0 4\n1\n2\n3\n{0}\n"
     lines += "0 0 0\n1 0 0\n0 1 0\n0 0 1\n$EndNodes\n$Elements\n1 1 1 1\n3 1 4 1\n1 1 2 3 {0}\n$EndElements\n"
     path = tmp_path / "part.msh"
     path.write_text(lines.format(4))
     assert read_mesh(path).tets.tolist() == [[0, 1, 2, 3]]
-    path.write_text(lines.format(2**26))
+    path.write_text(lines.format(2**29))
     monkeypatch.setattr("tetrabench.memory.available_bytes", lambda: 2**28)
     with pytest.raises(MemoryRefusedError, match="more memory than there is"):
         read_mesh(path)
