@@ -212,42 +212,44 @@ def _module(path: Path) -> ModuleType:
 def _what_is_wrong(member: Any, group: str, family: str | None) -> str:
     """Why something can be no member of a table; "" where it can. Raises nothing, whatever it is."""
     try:
-        name = member.name
-        if not isinstance(name, str) or not _NAME.fullmatch(name):
-            return f"{name!r} is no name for one of its {group}: letters, digits, - and . in a word"
-        facts = _FACTS[group]
-        wanted = [attribute for attribute in vars(_KINDS.get(group, object)) if not attribute.startswith("_")]
-        missing = [attribute for attribute in dict.fromkeys([*wanted, *facts]) if not hasattr(member, attribute)]
-        if missing:
-            return f"{name} has no {', '.join(missing)}, which all {group} have"
-        if group == "families" and family not in (None, name):
-            return f"the family {name} is registered under another name, {family}"
-        if family not in (None, getattr(member, "family", family)):
-            return f"{name} belongs to the family {member.family}, and is registered under {family}"
-        if group != "families" and family is None and not isinstance(getattr(member, "family", None), str):
-            return f"{name} does not say its family"
-        return next(filter(None, (_wrong_fact(member, fact, kind) for fact, kind in facts.items())), "") or (
-            f"{name} has counts in `thesis` that are not in its `options`"
-            if group == "scenarios" and not set(member.thesis) <= set(member.options)
-            else ""
-        )
+        return next(_faults(member, group, family), "")
     except Exception as error:  # a property may raise anything
         return f"one of its {group}, a {type(member).__name__}, is none: {_spell(error)}"
 
 
-def _wrong_fact(member: Any, fact: str, kind: Any) -> str:
-    """What is wrong with one of a member's attributes, that should be of this kind; "" where nothing is."""
-    value = getattr(member, fact)
+def _faults(member: Any, group: str, family: str | None) -> Iterator[str]:
+    """What is wrong with a member of a table; each can only be found where none was found before."""
+    name, facts = member.name, _FACTS[group]
+    if not isinstance(name, str) or not _NAME.fullmatch(name):
+        yield f"{name!r} is no name for one of its {group}: letters, digits, - and . in a word"
+    wanted = [attribute for attribute in vars(_KINDS.get(group, object)) if not attribute.startswith("_")]
+    missing = [attribute for attribute in dict.fromkeys([*wanted, *facts]) if not hasattr(member, attribute)]
+    if missing:
+        yield f"{name} has no {', '.join(missing)}, which all {group} have"
+    if group == "families":
+        if family not in (None, name):
+            yield f"the family {name} is registered under another name, {family}"
+    elif family is None and not isinstance(getattr(member, "family", None), str):
+        yield f"{name} does not say its family"
+    elif family not in (None, getattr(member, "family", family)):
+        yield f"{name} belongs to the family {member.family}, and is registered under {family}"
+    for fact, kind in facts.items():
+        yield from _faults_of_fact(name, fact, getattr(member, fact), kind)
+    if group == "scenarios" and not set(member.thesis) <= set(member.options):
+        yield f"{name} has counts in `thesis` that are not in its `options`"
+
+
+def _faults_of_fact(name: str, fact: str, value: Any, kind: Any) -> Iterator[str]:
+    """What is wrong with an attribute of the member `name`, which should be of this kind; likewise."""
     try:
         msgspec.convert(value, kind)
-        for name, option in value.items() if kind == _OPTIONS else ():
+        for title, option in value.items() if kind == _OPTIONS else ():
             if not isinstance(option, Option):
-                return f"{member.name} has an option {name!r} that is none: {option!r:.60} is no Option"
-            if not option.least <= msgspec.convert(asdict(option), Option).value <= option.most:
-                return f"{member.name} has an option {name!r} whose value is beyond its own limits: {option!r:.90}"
+                yield f"{name} has an option {title!r} that is none: {option!r:.60} is no Option"
+            elif not option.least <= msgspec.convert(asdict(option), Option).value <= option.most:
+                yield f"{name} has an option {title!r} whose value is beyond its own limits: {option!r:.90}"
     except msgspec.ValidationError as error:
-        return f"the `{fact}` of {member.name}, {value!r:.90}, cannot be: {error}"
-    return ""
+        yield f"the `{fact}` of {name}, {value!r:.90}, cannot be: {error}"
 
 
 def _spell(error: BaseException) -> str:
