@@ -395,7 +395,7 @@ class TetraNet:
             self._is_edited = False
 
     def insert_points(self, points: ArrayLike) -> NDArray[np.int32]:
-        """The refs, (m,) int32, of points (m, 3), one after the other as `insert_point` does it.
+        """The refs, (m,) int32, of points (m, 3): existing ones or new ones, one after the other as by `insert_point`.
 
         Raises:
             InputError: another shape, or a coordinate that is not finite; the net is then as it was.
