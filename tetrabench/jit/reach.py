@@ -20,7 +20,7 @@ def reach(functions: Iterable[Any]) -> tuple[set[str], set[str]]:
     """The foreign modules that functions come from, and those of all that they call; and the constants that these name.
 
     The compiler puts constants, and what is called, into the code: where one of them changes, the code is another. Names are
-    followed through functions, kernels, and attributes of modules. What a class or a container holds is not.
+    followed through functions, kernels, tuples, and attributes of modules. What a class or another container holds is not.
     """
     modules: set[str] = set()
     constants: set[str] = set()
@@ -32,14 +32,14 @@ def reach(functions: Iterable[Any]) -> tuple[set[str], set[str]]:
             continue
         seen.add(function)
         modules.add(function.__module__ or "")
-        for name, value in _named_by(function):
+        for name, value in _single(_named_by(function)):
             if isinstance(value, FunctionType) or hasattr(value, "py_func"):
                 waiting.append(value)
             elif isinstance(value, type):
                 modules |= {value.__module__} if is_foreign(value.__module__) else set()
             elif isinstance(value, np.ndarray):
                 constants.add(f"{name} {value.dtype} {value.shape} {value.tobytes().hex()}")
-            elif isinstance(value, bool | int | float | complex | str | bytes | tuple | np.generic):
+            elif isinstance(value, bool | int | float | complex | str | bytes | np.generic):
                 constants.add(f"{name} {type(value).__name__} {value!r}")
     return modules, constants
 
@@ -59,6 +59,16 @@ def _named_by(function: FunctionType) -> Iterator[tuple[str, Any]]:
             yield name, value
         elif is_foreign(value.__name__):
             yield from ((one, vars(value)[one]) for one in names if one in vars(value))
+
+
+def _single(values: Iterable[tuple[str, Any]]) -> Iterator[tuple[str, Any]]:
+    """The same with the elements of tuples instead of these, each by its name and place."""
+    for name, value in values:
+        if isinstance(value, tuple):
+            yield f"{name}[{len(value)}]", len(value)
+            yield from _single((f"{name}[{place}]", element) for place, element in enumerate(value))
+        else:
+            yield name, value
 
 
 def _names(code: CodeType) -> Iterator[str]:
