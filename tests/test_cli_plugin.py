@@ -77,3 +77,38 @@ def test_one_that_is_not_there_is_refused(tmp_path):
     assert done.exit_code == 2
     assert "there is no file" in done.stderr
     assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("model", "told"),
+    [
+        (
+            "from tetrabench.mesh.models.model import Model\nMODELS = [Model('mine', 't', 9, lambda n: 1 / 0)]",
+            "ZeroDivisionError",
+        ),
+        (
+            "import dataclasses\nfrom tetrabench.mesh.models.box import BOX\ndef make(n):\n    one = BOX.build(n)\n"
+            "    one.tets[:, :2] = one.tets[:, 1::-1]\n    return one\n"
+            "MODELS = [dataclasses.replace(BOX, name='mine', build=make)]",
+            "48 tets have no positive volume, once its points are moved by `reach`",
+        ),
+        (
+            "from tetrabench.mesh.polygon.models.model import PolygonModel\n"
+            "MODELS = [PolygonModel('mine', 't', 9, lambda n, seed: None, 50)]",
+            "AttributeError",
+        ),
+        (
+            "from tetrabench.collision.start.models import Model\nMODELS = [Model('mine', 't', lambda *_: (1, 2))]",
+            "ValueError: not enough values to unpack",
+        ),
+    ],
+)
+def test_a_model_that_cannot_be_made_is_a_line(tmp_path, model, told):
+    (tmp_path / "mine.py").write_text(model)
+    suffix = ".npz" if "collision" in model else ".obj" if "polygon" in model else ".nas"
+    done = say("generate", "mine", "--tets", "48", "-o", tmp_path / f"a{suffix}", "--plugin", tmp_path / "mine.py")
+    assert done.exit_code == 2, done.output
+    assert done.stderr.splitlines()[-1].startswith("tetrabench: the model mine: ")
+    assert told in done.stderr
+    assert "Traceback" not in done.output
+    assert not (tmp_path / f"a{suffix}").exists()

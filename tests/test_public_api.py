@@ -8,6 +8,7 @@ from numba import config
 
 import tetrabench
 from tests import public_api
+from tetrabench.errors import InputError
 
 
 @pytest.mark.skipif(bool(config.DISABLE_JIT), reason="a kernel is a plain function then, and looks like one")
@@ -66,3 +67,16 @@ def test_a_script_of_a_user_is_type_checked(tmp_path):
     )
     assert done.stdout.splitlines()[0].startswith("script.py:12: error: Incompatible types in assignment"), done.stdout
     assert "Found 1 error" in done.stdout
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: tetrabench.TetraNet(tetrabench.generate("box", 6), "v3y"),
+        lambda: tetrabench.PolygonNet(tetrabench.generate_polygons("quad", 9), "by-edge"),
+        lambda: tetrabench.Simulation(tetrabench.generate_objects("uniform", 9), "grid"),
+    ],
+)
+def test_a_name_is_no_contestant(make):
+    with pytest.raises(InputError, match=r"a contestant is needed, not its name '.*': take tetrabench.contestant\('"):
+        make()

@@ -43,6 +43,17 @@ class MemoryRefusedError(InputError):
     exit_code = 6
 
 
+def refuse_name(contestant: object, family: str) -> None:
+    """Refuse the name of a contestant where the contestant itself is needed.
+
+    Raises:
+        InputError: it is one; says how to get the other.
+    """
+    if isinstance(contestant, str):
+        there = f"tetrabench.contestant({family!r}, {contestant!r})"
+        raise InputError(f"a contestant is needed, not its name {contestant!r}: take {there}")
+
+
 def find_named(kind: str, known: Mapping[str, _Member], name: str, among: str = "") -> _Member:
     """Look up a name that a person typed; `kind` says what it is the name of, `among` where it was looked for.
 

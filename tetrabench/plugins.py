@@ -219,6 +219,8 @@ def _what_is_wrong(member: Any, group: str, family: str | None) -> str:
 
 def _faults(member: Any, group: str, family: str | None) -> Iterator[str]:
     """What is wrong with a member of a table; each can only be found where none was found before."""
+    if isinstance(member, type):
+        yield f"the class {member.__name__} is one of its {group}; a table holds objects: {member.__name__}()"
     name, facts = member.name, _FACTS[group]
     if not isinstance(name, str) or not _NAME.fullmatch(name):
         yield f"{name!r} is no name for one of its {group}: letters, digits, - and . in a word"

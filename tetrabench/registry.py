@@ -191,6 +191,10 @@ def _of_family(group: str, family_name: str) -> Iterator[tuple[str, Any]]:
             for one in plugins.members(table, group):
                 if table.family or one.family == family_name:
                     yield table.owner, one
+                elif one.family not in _families():  # else it would go unnoticed
+                    plugins.skip(
+                        table.owner, f"{one.name} is of no family '{one.family}'; there are: {', '.join(_families())}"
+                    )
 
 
 def _is_free(kind: str, name: str, owner: str, taken: dict[str, str]) -> bool:

@@ -2,9 +2,12 @@
 
 import ast
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from traceback import extract_tb
+
+from tetrabench.errors import InputError, TetrabenchError
 
 
 def spell_error(error: BaseException, entered_from: Collection[str] = ()) -> str:
@@ -27,6 +30,21 @@ def spell_error(error: BaseException, entered_from: Collection[str] = ()) -> str
     frame = frames[-1]
     function = "" if frame.name.startswith("<") else f"{frame.name}: "
     return f"{function}{what} ({Path(frame.filename).name}:{frame.lineno})"
+
+
+@contextmanager
+def named(what: str) -> Iterator[None]:
+    """Run what others have written: an exception of theirs becomes one sentence about `what`, with its place.
+
+    Raises:
+        InputError: whatever was raised, but for our own errors, and those of the machine.
+    """
+    try:
+        yield
+    except (TetrabenchError, MemoryError):
+        raise
+    except Exception as error:
+        raise InputError(f"{what}: {spell_error(error)}") from error
 
 
 def spell_refusal(text: str) -> str:

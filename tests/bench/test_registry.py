@@ -302,10 +302,18 @@ class TestFiles:
                 "a table of it is a generator, which can be read but once; make it a tuple",
             ),
             ("THINGS = []", "has none of the tables FAMILIES, CONTESTANTS, SCENARIOS, MODELS"),
-            ("class One:\n    name = title = 'mine'\nMODELS = [One]", "mine does not say its family"),
+            ("class One:\n    name = title = 'mine'\nMODELS = [One()]", "mine does not say its family"),
             (
-                "class One:\n    name = title = 'mine'\n    family = 'tetra'\nMODELS = [One]",
-                "the model mine: a type, not a tetrabench.mesh.models.model.Model",
+                "class One:\n    name = title = 'mine'\n    family = 'tetras'\nMODELS = [One()]",
+                "mine is of no family 'tetras'; there are: ",
+            ),
+            (
+                MINE.replace("[Mine()]", "[Mine]"),
+                "the class Mine is one of its scenarios; a table holds objects: Mine()",
+            ),
+            (
+                "class One:\n    name = title = 'mine'\n    family = 'tetra'\nMODELS = [One()]",
+                "the model mine: a One, not a tetrabench.mesh.models.model.Model",
             ),
             (MINE.replace("my-box", "box"), "the model 'box' is defined twice; that of tetrabench is taken"),
         ],
@@ -314,6 +322,7 @@ class TestFiles:
         write_plugin(text)
         with skipped_by("mine.py: " + re.escape(reason)):
             assert "v3" in [one.name for one in registry.contestants("tetra")]
+            registry.scenarios("tetra")
             registry.family("tetra")
 
     def test_one_that_is_not_there(self, write_plugin):

@@ -10,7 +10,7 @@ from tetrabench.collision import interface
 from tetrabench.collision.contestant import CollisionContestant
 from tetrabench.collision.dynamics import PHASES, Rules, advance, make_desk, put_in_order, room_for
 from tetrabench.collision.objects import Floats, Start, check_box, check_objects, copy_objects
-from tetrabench.errors import InputError, find_named
+from tetrabench.errors import InputError, find_named, refuse_name
 from tetrabench.jit import kernel
 from tetrabench.memory import refuse_if_too_large
 
@@ -71,7 +71,7 @@ class Simulation:
         bounce: float = 1.0,
         mode: str = "paper",
     ) -> None:
-        """Put objects into a structure.
+        """Put objects into a structure; the contestant is an object, as `tetrabench.contestant("collision", "grid")` gives it.
 
         Args:
             gravity: change of the velocity in y in a step, downward.
@@ -79,7 +79,8 @@ class Simulation:
             mode: "paper", one contact an object and step as the source has it, or "full", all of them: see `dynamics`.
 
         Raises:
-            InputError: objects that are no circles, a box that is none, or a rule out of its range.
+            InputError: objects that are no circles, a box that is none, a rule out of its range, or a name in place of the
+                contestant.
             MemoryRefusedError: there is not enough memory for them.
         """
         check_objects(start.objects)
@@ -143,6 +144,7 @@ class Simulation:
         Raises:
             InputError: an option out of its range.
         """
+        refuse_name(contestant, "collision")
         self.storage = contestant.make(self.objects.x, self.objects.y, self.objects.r)
         self.contestant = contestant
 

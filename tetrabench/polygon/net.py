@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tetrabench.errors import InputError, find_named
+from tetrabench.errors import InputError, find_named, refuse_name
 from tetrabench.memory import refuse_if_too_large
 from tetrabench.mesh.polygon import PolygonMesh
 from tetrabench.mesh.polygon.connect import connect
@@ -41,12 +41,13 @@ class PolygonNet:
     """
 
     def __init__(self, mesh: PolygonMesh, contestant: PolygonContestant) -> None:
-        """Store a mesh.
+        """Store a mesh; the contestant is an object, as `tetrabench.contestant("polygon", "by-edge")` gives it.
 
         Raises:
-            InputError: no format can hold it: see `mesh.polygon.check.settle`.
+            InputError: no format can hold it: see `mesh.polygon.check.settle`; a name in place of the contestant.
             MemoryRefusedError: there is not enough memory for it.
         """
+        refuse_name(contestant, "polygon")
         refuse_if_too_large(f"a net of {mesh.number_of_cells:,} cells", len(mesh.nodes) * PEAK)
         self.contestant = contestant
         self.points = mesh.points

@@ -10,7 +10,7 @@ from typing import Any, Self, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tetrabench.errors import InputError
+from tetrabench.errors import InputError, refuse_name
 from tetrabench.io import check_target, write_mesh
 from tetrabench.io.formats import BY_SUFFIX
 from tetrabench.jit import kernel
@@ -58,10 +58,14 @@ class TetraNet:
     def __init__(self, mesh: TetraMesh, contestant: TetraContestant) -> None:
         """Build the net of a mesh: point refs are the rows of `mesh.points`; states are 0.
 
+        The contestant is an object, as `tetrabench.contestant("tetra", "v3y")` gives it.
+
         Raises:
-            InputError: the mesh is none that a net can hold (a repeated vertex, a side of three tetras, ...).
+            InputError: the mesh is none that a net can hold (a repeated vertex, a side of three tetras, ...); a name in place
+                of the contestant.
             MemoryRefusedError: there is not enough memory for it.
         """
+        refuse_name(contestant, "tetra")
         check_mesh(mesh)
         refuse_if_too_large(f"a net of {len(mesh.tets):,} tetras", len(mesh.tets) * PEAK)
         self.contestant = contestant

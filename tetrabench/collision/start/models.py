@@ -17,6 +17,7 @@ from tetrabench.collision.start.sweep import sweep
 from tetrabench.errors import InputError, find_named
 from tetrabench.memory import refuse_if_too_large
 from tetrabench.mesh.numbering import check_seed
+from tetrabench.traces import named
 
 ROOM = 15_000.0
 """Area of the box for each object, in units^2: the circles of "uniform" cover 2 % of it."""
@@ -85,7 +86,8 @@ def generate_objects(
     refuse_if_too_large(f"a model of {wanted:,} objects", wanted * BYTES)
     random = np.random.default_rng([seed])
     side = math.sqrt(ROOM * max(wanted, 1))
-    x, y, r = model.place(wanted, side, random)
+    with named(f"the model {model.name}"):
+        x, y, r = model.place(wanted, side, random)
     vx, vy = SLOWEST + PACE * random.integers(PACES, size=(2, wanted))
     objects = make_objects(x, y, vx, vy, r, MASS * r * r / RADIUS**2)  # all of one matter
     source = f"{model.name}: {wanted:,} objects, {model.title}, in a box of {side:,.0f} x {side:,.0f}"

@@ -18,6 +18,7 @@ from tetrabench.mesh.models.nozzle import NOZZLE
 from tetrabench.mesh.numbering import NUMBERINGS, check_seed, renumber
 from tetrabench.mesh.quality import signed_volumes, smallest_dihedral_angle
 from tetrabench.mesh.tetra_mesh import MeshReport, TetraMesh
+from tetrabench.traces import named
 
 # What is taken at the peak for each tetra, measured with the nozzle of 642,816, rounded up.
 MOST_BYTES = {"natural": 70, "shuffled": 100, "hilbert": 220, "rcm": 260}
@@ -51,7 +52,8 @@ def generate(name: str | Model, tets: int | None = None, *, numbering: str = "na
         seed: of the moved points, and of the shuffling, 0 or more.
 
     Raises:
-        InputError: an unknown model or numbering, fewer than one tetra wanted, or a seed below 0.
+        InputError: an unknown model or numbering, fewer than one tetra wanted, or a seed below 0; what `build` raises, or
+            tets of no positive volume.
         MemoryRefusedError: more tets wanted than there is memory for.
     """
     model: Model = name if isinstance(name, Model) else find_named("model", MODELS, name)
@@ -61,10 +63,15 @@ def generate(name: str | Model, tets: int | None = None, *, numbering: str = "na
     if wanted < 1:
         raise InputError(f"a model of {wanted} tets cannot be made; ask for at least 1")
     refuse_if_too_large(f"a model of {wanted:,} tets", wanted * MOST_BYTES[numbering])
-    regular = model.build(wanted)
-    shift = np.random.default_rng([seed]).uniform(-1, 1, regular.points.shape) * regular.reach[:, None]
-    points = regular.points + shift
-    assert signed_volumes(points, regular.tets).min() > 0, "the reach of the points is too long"
+    with named(f"the model {model.name}"):
+        regular = model.build(wanted)
+        shift = np.random.default_rng([seed]).uniform(-1, 1, regular.points.shape) * regular.reach[:, None]
+        points = regular.points + shift
+        flat = int(np.count_nonzero(signed_volumes(points, regular.tets) <= 0))
+    if flat:
+        raise InputError(
+            f"the model {model.name}: {flat} tets have no positive volume, once its points are moved by `reach`"
+        )
     angle = smallest_dihedral_angle(points, regular.tets)
     source = (
         f"{model.name}: {len(regular.tets)} tets, {len(points)} points, {regular.words}, lengths in metres, "

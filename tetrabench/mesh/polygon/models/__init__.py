@@ -16,6 +16,7 @@ from tetrabench.mesh.polygon.models.triangle import TRIANGLE
 from tetrabench.mesh.polygon.models.voronoi import VORONOI
 from tetrabench.mesh.polygon.numbering import NUMBERINGS, next_nodes, renumber_polygons
 from tetrabench.mesh.polygon.polygon_mesh import PolygonMesh, PolygonReport
+from tetrabench.traces import named
 
 MODELS = {model.name: model for model in (TRIANGLE, QUAD, HEXAGON, VORONOI)}
 
@@ -58,8 +59,9 @@ def generate_polygons(
     if not 1 <= wanted <= MOST_CELLS:
         raise InputError(f"a model of {wanted:,} cells cannot be made; ask for 1 to {MOST_CELLS:,}")
     refuse_if_too_large(f"a model of {wanted:,} cells", wanted * model.bytes)
-    division = model.build(wanted, seed)
-    conditions = side_conditions(division)
+    with named(f"the model {model.name}"):
+        division = model.build(wanted, seed)
+        conditions = side_conditions(division)
     counts = len(division.starts) - 1, (len(conditions) + np.count_nonzero(conditions)) // 2, len(division.points)
     source = "{}: {} cells, {} edges, {} nodes, {}".format(model.name, *counts, division.words)
     mesh = PolygonMesh(division.points, division.starts, division.nodes, conditions, PolygonReport(source=source))
