@@ -3,9 +3,10 @@ public face goes, comes or changes unnoticed."""
 
 import inspect
 from collections.abc import Iterator
+from enum import EnumType
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, NewType
 
 PAGE = Path(__file__).parents[1] / "docs" / "reference" / "public-api.md"
 
@@ -22,8 +23,9 @@ SECTIONS = {
     "Its fields without a copy": ("tetrabench.tetra.by_ref", ["ByRef"]),
     "Polygons as input": ("tetrabench.mesh.polygon", ["PolygonMesh"]),
     "A mesh of polygons": ("tetrabench.polygon.net", ["PolygonNet"]),
+    "Objects as input": ("tetrabench.collision.objects", ["Start", "make_objects"]),
     "Objects that collide": ("tetrabench.collision.simulation", ["Simulation"]),
-    "Half-faces": ("tetrabench.backends.tetra.halfface", ["HalfFaceMesh", "ElementSet", "ElementMultiset"]),
+    "Half-faces": ("tetrabench.backends.tetra.halfface", ["*"]),
     "The interface of a net, for kernels and contestants": ("tetrabench.tetra.interface", ["*"]),
     "Changes in kernels": ("tetrabench.tetra.edit", ["reserve", "insert_point", "check_editable"]),
     "The interface of a mesh of polygons": ("tetrabench.polygon.interface", ["*"]),
@@ -36,11 +38,31 @@ SECTIONS = {
     "Pictures": ("tetrabench.report.picture", ["draw_net"]),
     "Plug-ins": (
         "tetrabench.protocols",
-        ["Family", "Stage", "Scenario", "Contestant", "Option", "Answer", "Work", "ModelFacts", "Rule", "Workload"],
+        [
+            *("Family", "Tour", "Needs", "ModelFacts", "Rule", "Workload"),
+            *("Contestant", "Option", "Scenario", "Stage", "Answer", "Work"),
+        ],
+    ),
+    "Errors": (
+        "tetrabench.errors",
+        [
+            "InputError",
+            "RepairableError",
+            "MemoryRefusedError",
+            "UnsupportedError",
+            "NotComparableError",
+            "PluginWarning",
+        ],
     ),
     "Contestants of tetra": ("tetrabench.tetra.contestant", ["TetraContestant"]),
     "Contestants of polygon": ("tetrabench.polygon.contestant", ["PolygonContestant"]),
     "Contestants of collision": ("tetrabench.collision.contestant", ["CollisionContestant"]),
+    "Scenarios of tetra": ("tetrabench.scenarios.tetra.base", ["TetraScenario"]),
+    "Scenarios of polygon": ("tetrabench.scenarios.polygon.base", ["PolygonScenario"]),
+    "Scenarios of collision": ("tetrabench.scenarios.collision.base", ["CollisionScenario"]),
+    "Models of tetra": ("tetrabench.mesh.models.model", ["Model", "Regular"]),
+    "Models of polygon": ("tetrabench.mesh.polygon.models.model", ["PolygonModel", "Division"]),
+    "Models of collision": ("tetrabench.collision.start.models", ["Model"]),
 }
 """Title -> module, and its names; "*" are those that it defines, or lists in `__all__`."""
 
@@ -74,7 +96,8 @@ def rows_of(name: str, member: Any) -> Iterator[str]:
     """A line for a function; for a class, its own and one for each of its public members."""
     yield f"- `{spell(name, member)}`{first_line(member)}"
     if inspect.isclass(member) and not issubclass(member, Exception):
-        for inner in vars(member):
+        ours = [cls for cls in member.__mro__ if cls.__module__.split(".")[0] == "tetrabench"]
+        for inner in dict.fromkeys(name for cls in ours for name in vars(cls)):
             if not inner.startswith("_") and not (hasattr(member, "_fields") and inner in member._fields):
                 found = inspect.getattr_static(member, inner)
                 if isinstance(found, property | staticmethod | classmethod) or inspect.isfunction(found):
@@ -85,6 +108,10 @@ def spell(name: str, member: Any) -> str:
     """A name with its parameters and their defaults. No types: their spelling follows the versions of others."""
     if isinstance(member, staticmethod | classmethod):
         member = member.__func__
+    if isinstance(member, int):
+        return f"{name} = {member!r}"
+    if isinstance(member, NewType | EnumType):
+        return name
     if isinstance(member, property) or (inspect.isclass(member) and issubclass(member, Exception)):
         return name
     if inspect.isclass(member) and getattr(member, "_is_protocol", False):
@@ -101,6 +128,8 @@ def spell(name: str, member: Any) -> str:
 
 def first_line(member: Any) -> str:
     """What it is, in a line; of what is its name and no more, nothing."""
+    if isinstance(member, int | NewType):
+        return ""
     if isinstance(member, staticmethod | classmethod):
         member = member.__func__
     lines = (inspect.getdoc(getattr(member, "py_func", member)) or "").splitlines()
