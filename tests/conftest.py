@@ -26,6 +26,12 @@ def rng(request: pytest.FixtureRequest) -> np.random.Generator:
     return np.random.default_rng(request.config.getoption("--seed"))
 
 
+@pytest.fixture(autouse=True)
+def patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """However long the machine takes over something, the verbs say nothing of it in this process."""
+    monkeypatch.setattr("tetrabench.cli.speech.PATIENCE", 3600.0)
+
+
 @pytest.fixture(params=sorted(MESHES))
 def small_mesh(request: pytest.FixtureRequest) -> object:
     """Each of the small named meshes in turn."""

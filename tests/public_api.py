@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from enum import EnumType
 from importlib import import_module
 from pathlib import Path
-from typing import Any, NewType
+from typing import Any
 
 PAGE = Path(__file__).parents[1] / "docs" / "reference" / "public-api.md"
 
@@ -25,7 +25,10 @@ SECTIONS = {
     "A mesh of polygons": ("tetrabench.polygon.net", ["PolygonNet"]),
     "Objects as input": ("tetrabench.collision.objects", ["Start", "make_objects"]),
     "Objects that collide": ("tetrabench.collision.simulation", ["Simulation"]),
-    "Half-faces": ("tetrabench.backends.tetra.halfface", ["*"]),
+    "Half-faces": (
+        "tetrabench.backends.tetra.halfface",
+        ["HalfFaceMesh", "EventualMesh", "ElementSet", "ElementMultiset", "Element"],
+    ),
     "The interface of a net, for kernels and contestants": ("tetrabench.tetra.interface", ["*"]),
     "Changes in kernels": ("tetrabench.tetra.edit", ["reserve", "insert_point", "check_editable"]),
     "The interface of a mesh of polygons": ("tetrabench.polygon.interface", ["*"]),
@@ -108,9 +111,7 @@ def spell(name: str, member: Any) -> str:
     """A name with its parameters and their defaults. No types: their spelling follows the versions of others."""
     if isinstance(member, staticmethod | classmethod):
         member = member.__func__
-    if isinstance(member, int):
-        return f"{name} = {member!r}"
-    if isinstance(member, NewType | EnumType):
+    if isinstance(member, EnumType):
         return name
     if isinstance(member, property) or (inspect.isclass(member) and issubclass(member, Exception)):
         return name
@@ -128,8 +129,6 @@ def spell(name: str, member: Any) -> str:
 
 def first_line(member: Any) -> str:
     """What it is, in a line; of what is its name and no more, nothing."""
-    if isinstance(member, int | NewType):
-        return ""
     if isinstance(member, staticmethod | classmethod):
         member = member.__func__
     lines = (inspect.getdoc(getattr(member, "py_func", member)) or "").splitlines()

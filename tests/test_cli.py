@@ -35,12 +35,6 @@ def refusal(*words: object) -> str:
     return result.stderr
 
 
-@pytest.fixture(autouse=True)
-def patient(monkeypatch: pytest.MonkeyPatch) -> None:
-    """However long the machine takes to look up names, nothing is said of it."""
-    monkeypatch.setattr("tetrabench.cli.speech.PATIENCE", 3600.0)
-
-
 @pytest.fixture
 def no_measuring(monkeypatch: pytest.MonkeyPatch):
     """Let `run` make its plan, and take these results for what was measured."""

@@ -25,12 +25,6 @@ MEMORY = "memory of a run, about"
 FAULTY = [[0, 1, 2, 3], [1, 2, 3, 4], [1, 2, 3, 5], [3, 2, 1, 0], [7, 7, 7, 6]]
 
 
-@pytest.fixture(autouse=True)
-def patient(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nothing takes long, even where the kernels have yet to be compiled."""
-    monkeypatch.setattr("tetrabench.cli.speech.PATIENCE", 3600.0)
-
-
 @pytest.fixture
 def faulty(tmp_path: Path) -> Path:
     """A file with a tetra of each kind that is left out."""

@@ -16,12 +16,6 @@ from tetrabench.collision.start.models import MODELS, generate_objects
 from tetrabench.io.polygons import read_polygons
 
 
-@pytest.fixture(autouse=True)
-def patient(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nothing takes long, even where the kernels have yet to be compiled."""
-    monkeypatch.setattr("tetrabench.cli.speech.PATIENCE", 3600.0)
-
-
 def test_generate_writes_what_the_model_is(tmp_path: Path) -> None:
     for name in MODELS:
         start = generate_objects(name, 60, numbering="hilbert", seed=3)

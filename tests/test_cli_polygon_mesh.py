@@ -20,12 +20,6 @@ FRAME = (
 )
 
 
-@pytest.fixture(autouse=True)
-def patient(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nothing takes long, even where the kernels have yet to be compiled."""
-    monkeypatch.setattr("tetrabench.cli.speech.PATIENCE", 3600.0)
-
-
 @pytest.fixture
 def bow_tie(tmp_path: Path) -> Path:
     """Two triangles that touch in a node, and a node alone."""

@@ -15,12 +15,6 @@ from tetrabench.mesh.models import generate
 STATES = [f"state_{place}" for place in range(5)]
 
 
-@pytest.fixture(autouse=True)
-def patient(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nothing takes long, even where the kernels have yet to be compiled."""
-    monkeypatch.setattr("tetrabench.cli.speech.PATIENCE", 3600.0)
-
-
 @pytest.fixture
 def drawn(monkeypatch: pytest.MonkeyPatch) -> list:
     """What is given to `draw_net`."""

@@ -15,12 +15,6 @@ from tetrabench.watch.player import Player
 
 
 @pytest.fixture(autouse=True)
-def patient(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nothing takes long, even where the kernels have yet to be compiled."""
-    monkeypatch.setattr("tetrabench.cli.speech.PATIENCE", 3600.0)
-
-
-@pytest.fixture(autouse=True)
 def few(monkeypatch: pytest.MonkeyPatch) -> None:
     """Objects of a model, where nobody says how many."""
     monkeypatch.setattr(opening, "USUAL_OBJECTS", 20)

@@ -10,12 +10,6 @@ from tetrabench import registry
 FAMILIES = ("tetra", "polygon", "collision")
 
 
-@pytest.fixture(autouse=True)
-def patient(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nothing takes long, even where the kernels have yet to be compiled."""
-    monkeypatch.setattr("tetrabench.cli.speech.PATIENCE", 3600.0)
-
-
 @pytest.mark.parametrize("family", FAMILIES)
 def test_a_first_look_says_what_it_leaves_out_and_how_to_repeat_it(family: str) -> None:
     whose = [] if family == "tetra" else ["--family", family]
