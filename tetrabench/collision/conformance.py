@@ -17,7 +17,7 @@ from tetrabench.collision.interface import Storage
 from tetrabench.collision.objects import Objects, Start, make_objects
 from tetrabench.collision.simulation import _pairs, _query_rect, _update
 from tetrabench.collision.twin import Twin
-from tetrabench.jit.generic import generics_of, is_implemented, spell_lack
+from tetrabench.jit.generic import lacks
 from tetrabench.protocols import Rule
 
 STEPS = 5
@@ -114,8 +114,8 @@ def _pair_faults(moving: _Moving, after: str) -> Iterator[str]:
 def _complete(contestant: CollisionContestant) -> Iterator[str]:
     start = _start([1.0, 2.0], [1.0, 2.0])
     storage = contestant.make(start.objects.x, start.objects.y, start.objects.r)
-    if lacks := [spell_lack(one, storage) for one in generics_of(interface) if not is_implemented(one, storage)]:
-        yield f"{type(storage).__name__} does not implement {', '.join(lacks)}"
+    if missing := lacks(interface, storage):
+        yield f"{type(storage).__name__} does not implement {', '.join(missing)}"
 
 
 def _contacts(contestant: CollisionContestant) -> Iterator[str]:

@@ -22,7 +22,7 @@ pass it by value, on the stack, to every function that is not inlined. That is w
 """
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from types import FunctionType, ModuleType
 from typing import Any
 
@@ -96,8 +96,13 @@ def is_implemented(function: Function, net: Any) -> bool:
     return _decisive(net, _FIELDS[function]) in _IMPLEMENTATIONS[function]
 
 
-def spell_lack(function: Function, net: Any) -> str:
-    """A generic function with its parameters, and which type has no implementation of it."""
+def lacks(interface: ModuleType, net: Any, may_lack: Container[str] = ()) -> list[str]:
+    """The generic functions of a module that cannot be called with a net, with their parameters; but for those named."""
+    needed = [one for one in generics_of(interface) if one.__name__ not in may_lack]
+    return [_spell_lack(one, net) for one in needed if not is_implemented(one, net)]
+
+
+def _spell_lack(function: Function, net: Any) -> str:
     field = _FIELDS[function]
     place = f" of its {field}, {_decisive(net, field).__name__}" if field else ""
     return f"{function.__name__}({', '.join(inspect.signature(function).parameters)}){place}"

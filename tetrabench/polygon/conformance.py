@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from tetrabench.jit import kernel
-from tetrabench.jit.generic import generics_of, is_implemented, spell_lack
+from tetrabench.jit.generic import lacks
 from tetrabench.mesh.polygon import PolygonMesh
 from tetrabench.mesh.polygon.connect import connect
 from tetrabench.mesh.polygon.models import generate_polygons
@@ -118,8 +118,8 @@ def _lists(storage: Storage, query: str, count: int, room: int) -> tuple[list[li
 
 def _complete(contestant: PolygonContestant) -> Iterator[str]:
     storage = contestant.build(connect(MESHES["a triangle"]()))
-    if lacks := [spell_lack(one, storage) for one in generics_of(interface) if not is_implemented(one, storage)]:
-        yield f"{type(storage).__name__} does not implement {', '.join(lacks)}"
+    if missing := lacks(interface, storage):
+        yield f"{type(storage).__name__} does not implement {', '.join(missing)}"
 
 
 def _counts(contestant: PolygonContestant) -> Iterator[str]:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tetrabench.jit import kernel
-from tetrabench.jit.generic import generics_of, is_implemented, spell_lack
+from tetrabench.jit.generic import is_implemented, lacks
 from tetrabench.mesh import TetraMesh
 from tetrabench.mesh.models import generate
 from tetrabench.protocols import Rule
@@ -294,15 +294,14 @@ def missing(net: Net) -> list[str]:
         may_lack |= _BY_LISTS
     if not is_implemented(interface.release, net):
         may_lack |= _OF_RELEASE
-    needed = [one for one in generics_of(interface) if one.__name__ not in may_lack]
-    return [spell_lack(one, net) for one in needed if not is_implemented(one, net)]
+    return lacks(interface, net, may_lack)
 
 
 @_rule
 def _complete(contestant: TetraContestant) -> Iterator[str]:
     """Built of no tetra, for which nothing has to be there yet."""
-    if lacks := missing(contestant.build(_mesh([], []))):
-        yield f"not implemented: {', '.join(lacks)}"
+    if absent := missing(contestant.build(_mesh([], []))):
+        yield f"not implemented: {', '.join(absent)}"
 
 
 @_rule
